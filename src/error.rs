@@ -1,0 +1,65 @@
+//! Every way a computation can be refused or can fail, with the place, the value and what is allowed.
+
+use std::path::PathBuf;
+
+/// An input that was refused before anything was computed.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {value} is not allowed; allowed: {allowed}")]
+pub struct Refusal {
+    /// Where the input came from: an option, or a file with its line and key.
+    pub place: String,
+    /// The value as it was given.
+    pub value: String,
+    /// What would have been accepted.
+    pub allowed: String,
+}
+
+impl Refusal {
+    /// Refuses `value`, found at `place`, where only `allowed` is accepted.
+    pub fn new(place: impl Into<String>, value: impl ToString, allowed: impl Into<String>) -> Self {
+        Self { place: place.into(), value: value.to_string(), allowed: allowed.into() }
+    }
+}
+
+/// What can go wrong in this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The input was refused; nothing was computed or written.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+    /// A scene file could not be read as TOML or has a key that is not known.
+    #[error("{path}, line {line}: {message}")]
+    SceneFile {
+        /// The file as the user named it.
+        path: String,
+        /// The line, counted from 1.
+        line: usize,
+        /// The parser's own words.
+        message: String,
+    },
+    /// A file could not be read or written.
+    #[error("{path}: {source}; allowed: a path that can be {wanted}")]
+    File {
+        /// The path as the user named it.
+        path: PathBuf,
+        /// What was tried: "read" or "written".
+        wanted: &'static str,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// Records could not be turned into text.
+    #[error("the records could not be written: {0}")]
+    Record(String),
+    /// A figure could not be drawn.
+    #[cfg(feature = "plot")]
+    #[error("the figure {name} could not be drawn: {source}")]
+    Figure {
+        /// The file name without its ending.
+        name: String,
+        /// What the drawing layer said.
+        source: crate::plot::PlotError,
+    },
+}
+
+/// The result of everything here that can fail.
+pub type Result<T> = std::result::Result<T, Error>;

@@ -1,0 +1,108 @@
+//! Linear two-node bar elements: element matrices, the family of mass matrices, assembly into a [`Pencil`].
+//!
+//! ```text
+//! K_e = EA/h [ 1 -1 ; -1 1 ]      M_e = rho h A/6 [ 2+g 1-g ; 1-g 2+g ]      g = gamma in [0, 1]
+//! ```
+//! The free element has the squared frequency omega_e^2 = 12/(1+2g) (c0/h)^2 (paper, (26) and (27)).
+
+use crate::error::Refusal;
+use crate::pencil::{Gap, Pencil, Tridiagonal};
+use crate::scene::{Bar, ContactSite, End, Scene};
+
+/// The mass matrix of the family gamma in [0, 1]: 0 consistent, 1/2 averaged, 1 lumped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MassMatrix(f64);
+
+impl MassMatrix {
+    /// gamma = 0.
+    pub const CONSISTENT: Self = Self(0.0);
+    /// gamma = 1/2.
+    pub const AVERAGED: Self = Self(0.5);
+    /// gamma = 1, diagonal.
+    pub const LUMPED: Self = Self(1.0);
+
+    /// The mass matrix of this gamma.
+    ///
+    /// # Errors
+    /// Refuses a gamma outside [0, 1], where the element mass could lose its meaning or its sign.
+    pub fn new(gamma: f64) -> Result<Self, Refusal> {
+        if (0.0..=1.0).contains(&gamma) {
+            Ok(Self(gamma.abs()))
+        } else {
+            Err(Refusal::new("gamma", gamma, "a number in [0, 1]"))
+        }
+    }
+
+    /// gamma, dimensionless.
+    pub fn gamma(self) -> f64 {
+        self.0
+    }
+
+    /// Whether the matrix is diagonal, so that no solve is needed.
+    pub fn is_lumped(self) -> bool {
+        self.0 == 1.0
+    }
+
+    /// What the user calls it: `lumped`, `averaged`, `consistent`, or the number gamma.
+    pub fn name(self) -> String {
+        match self.0 {
+            0.0 => "consistent".to_owned(),
+            0.5 => "averaged".to_owned(),
+            1.0 => "lumped".to_owned(),
+            gamma => gamma.to_string(),
+        }
+    }
+
+    /// 12/(1+2 gamma): the squared frequency of the free element in units of (c0/h)^2.
+    pub fn element_factor(self) -> f64 {
+        12.0 / (1.0 + 2.0 * self.0)
+    }
+
+    /// (2 + gamma)/6 and (1 - gamma)/6: diagonal and off-diagonal entry of the element mass, in units of rho h A.
+    pub fn entries(self) -> (f64, f64) {
+        ((2.0 + self.0) / 6.0, (1.0 - self.0) / 6.0)
+    }
+
+    /// omega_e^2 of the free element of `bar`, rad^2/s^2.
+    pub fn element_eigenvalue(self, bar: &Bar) -> f64 {
+        self.element_factor() * (bar.element_stiffness() / bar.element_mass())
+    }
+}
+
+/// The contact-free pencil of a scene, with the gap of each of its contacts.
+///
+/// The nodes run from left to right, bar after bar; a fixed end has no node.
+pub fn assemble(scene: &Scene, mass: MassMatrix) -> Pencil {
+    let mut stiffness = Tridiagonal::default();
+    let mut inertia = Tridiagonal::default();
+    let last = scene.bars().len() - 1;
+    let mut bar_ends = Vec::with_capacity(last + 1);
+    for (i, bar) in scene.bars().iter().enumerate() {
+        let fixed = (i == 0 && scene.left() == End::Fixed, i == last && scene.right() == End::Fixed);
+        let first_node = stiffness.diagonal.len();
+        append_bar(&mut stiffness, bar, bar.element_stiffness(), (1.0, -1.0), fixed);
+        append_bar(&mut inertia, bar, bar.element_mass(), mass.entries(), fixed);
+        bar_ends.push((first_node, stiffness.diagonal.len() - 1));
+    }
+    let gaps = scene.contact_sites().into_iter().map(|site| match site {
+        ContactSite::LeftWall => Gap::Wall { node: 0 },
+        ContactSite::Between(bar) => Gap::Pair { left: bar_ends[bar].1 },
+        ContactSite::RightWall => Gap::Wall { node: bar_ends[last].1 },
+    });
+    let element_bound =
+        scene.bars().iter().map(|bar| mass.element_eigenvalue(bar)).fold(0.0, f64::max);
+    Pencil::new(stiffness, inertia, gaps.collect(), element_bound)
+}
+
+/// Appends the assembled matrix of one bar; `entries` are the diagonal and off-diagonal entry of its element
+/// matrix in units of `unit`, `fixed` says which ends have no node.
+fn append_bar(matrix: &mut Tridiagonal, bar: &Bar, unit: f64, entries: (f64, f64), fixed: (bool, bool)) {
+    let (end, inner, off) = (entries.0 * unit, 2.0 * (entries.0 * unit), entries.1 * unit);
+    let nodes = bar.elements + 1;
+    let range = usize::from(fixed.0)..nodes - usize::from(fixed.1);
+    if !matrix.diagonal.is_empty() {
+        matrix.off_diagonal.push(0.0);
+    }
+    matrix.off_diagonal.extend(std::iter::repeat_n(off, range.len() - 1));
+    matrix.diagonal.extend(range.map(|node| if node == 0 || node + 1 == nodes { end } else { inner }));
+}

@@ -1,0 +1,188 @@
+//! The meeting point of elements and eigenvalue engines: a symmetric pencil with rank-one contact terms.
+//!
+//! ```text
+//! K + sum_j s_j z_j z_j'  -  l (M + sum_j m_j z_j z_j')            l = omega^2
+//! ```
+//! K and M (n x n, positive semidefinite and definite) are tridiagonal; the bars are uncoupled blocks. z_j is the
+//! gap of contact j: one node against a wall, or the difference of two neighbouring nodes. The contact terms are
+//! kept apart from K and M: summed, `K_nn + s` would lose K at s = 1e16 K, and a map needs K and M only once.
+
+/// A symmetric tridiagonal matrix, n x n.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Tridiagonal {
+    /// The n diagonal entries.
+    pub diagonal: Vec<f64>,
+    /// The n - 1 entries beside the diagonal.
+    pub off_diagonal: Vec<f64>,
+}
+
+impl Tridiagonal {
+    /// y = A x, with x and y of length n.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        let n = self.diagonal.len();
+        for i in 0..n {
+            let left = if i > 0 { self.off_diagonal[i - 1] * x[i - 1] } else { 0.0 };
+            let right = if i + 1 < n { self.off_diagonal[i] * x[i + 1] } else { 0.0 };
+            y[i] = left + self.diagonal[i] * x[i] + right;
+        }
+    }
+}
+
+/// Where a contact acts: the column z of the gap Z'u. Its sign does not matter to the spectrum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Gap {
+    /// One node against a rigid wall; the node is the first or the last.
+    Wall {
+        /// Index of the node.
+        node: usize,
+    },
+    /// Node `left` against its right neighbour `left + 1`, which begins the next bar.
+    Pair {
+        /// Index of the left node.
+        left: usize,
+    },
+}
+
+/// The contact terms of one contact: what its closing adds to the pencil.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Penalty {
+    /// s, N/m, multiplies z z' in the stiffness.
+    pub stiffness: f64,
+    /// m, kg, multiplies z z' in the mass.
+    pub mass: f64,
+    /// d, kg, added to the mass of each node of the contact: the diagonalised mass penalty.
+    pub nodal_mass: f64,
+}
+
+impl Penalty {
+    /// c(l) = s - l m, the dynamic stiffness of the contact.
+    #[inline]
+    pub fn dynamic_stiffness(&self, l: f64) -> f64 {
+        self.stiffness - l * self.mass
+    }
+}
+
+/// The contact-free pencil (K, M), the gaps of its contacts, and a bound of its spectrum.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pencil {
+    stiffness: Tridiagonal,
+    mass: Tridiagonal,
+    gaps: Vec<Gap>,
+    element_bound: f64,
+    compliance: Vec<f64>,
+    largest_node: f64,
+}
+
+impl Pencil {
+    /// A pencil of matrices of equal size n >= 1.
+    ///
+    /// `gaps` run from left to right. `element_bound` is a number with |K| <= bound * M (entries of K in absolute
+    /// value), such as the largest element eigenvalue; it bounds the contact-free spectrum from above.
+    pub fn new(stiffness: Tridiagonal, mass: Tridiagonal, gaps: Vec<Gap>, element_bound: f64) -> Self {
+        let compliance = gaps.iter().map(|gap| contact_compliance(&mass, *gap)).collect();
+        let largest_node = largest_free_node(&stiffness, &mass, &gaps);
+        Self { stiffness, mass, gaps, element_bound, compliance, largest_node }
+    }
+
+    /// Number of nodes n.
+    pub fn size(&self) -> usize {
+        self.stiffness.diagonal.len()
+    }
+
+    /// K, N/m.
+    pub fn stiffness(&self) -> &Tridiagonal {
+        &self.stiffness
+    }
+
+    /// M, kg.
+    pub fn mass(&self) -> &Tridiagonal {
+        &self.mass
+    }
+
+    /// The gaps of the contacts from left to right.
+    pub fn gaps(&self) -> &[Gap] {
+        &self.gaps
+    }
+
+    /// A bound of |K| relative to M, rad^2/s^2: no contact-free eigenvalue exceeds it.
+    pub fn element_bound(&self) -> f64 {
+        self.element_bound
+    }
+
+    /// mu_j = z_j' M^-1 z_j of every contact, 1/kg.
+    pub fn compliance(&self) -> &[f64] {
+        &self.compliance
+    }
+
+    /// sum_j s_j min(mu_j/(1 + m_j mu_j), 2/d_j), rad^2/s^2: a bound of the contact stiffness relative to M + M_p,
+    /// because z z' <= mu/(1 + m mu) (M + m z z') and z z' <= 2/d diag(d).
+    pub fn contact_bound(&self, penalties: &[Penalty]) -> f64 {
+        let term = |(mu, p): (&f64, &Penalty)| {
+            p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass)
+        };
+        self.compliance.iter().zip(penalties).map(term).sum()
+    }
+
+    /// An upper bound of l_max of the pencil with `penalties`: the smaller of the mediant bound
+    /// max(element bound, s/m) and the sum of the element and contact bounds (Weyl). With the diagonalised mass
+    /// penalty s z z' <= s/d * diag(d), up to the factor 2 of a pair.
+    pub fn upper_bound(&self, penalties: &[Penalty]) -> f64 {
+        let ratio = |(gap, p): (&Gap, &Penalty)| {
+            let norm = if matches!(gap, Gap::Pair { .. }) { 2.0 } else { 1.0 };
+            let mass = p.mass + p.nodal_mass / norm;
+            if p.stiffness == 0.0 { 0.0 } else { p.stiffness / mass }
+        };
+        let mediant = self.gaps.iter().zip(penalties).map(ratio).fold(self.element_bound, f64::max);
+        mediant.min(self.element_bound + self.contact_bound(penalties))
+    }
+
+    /// A lower bound of l_max: the largest Rayleigh quotient of a single node, its contact included.
+    pub fn lower_bound(&self, penalties: &[Penalty]) -> f64 {
+        let (k, m) = (&self.stiffness.diagonal, &self.mass.diagonal);
+        let touching = self.gaps.iter().zip(penalties).flat_map(|(gap, p)| {
+            gap.nodes().map(|i| (k[i] + p.stiffness) / (m[i] + p.mass + p.nodal_mass))
+        });
+        touching.fold(self.largest_node, f64::max)
+    }
+}
+
+/// The largest K_ii/M_ii over the nodes that no contact touches; 0 if there is none.
+fn largest_free_node(stiffness: &Tridiagonal, mass: &Tridiagonal, gaps: &[Gap]) -> f64 {
+    let touched: Vec<usize> = gaps.iter().flat_map(Gap::nodes).collect();
+    let quotients = stiffness.diagonal.iter().zip(&mass.diagonal).map(|(k, m)| k / m).enumerate();
+    quotients.filter(|(i, _)| !touched.contains(i)).map(|(_, quotient)| quotient).fold(0.0, f64::max)
+}
+
+impl Gap {
+    /// The one or two nodes of the contact.
+    pub fn nodes(&self) -> impl Iterator<Item = usize> + use<> {
+        match *self {
+            Gap::Wall { node } => node..node + 1,
+            Gap::Pair { left } => left..left + 2,
+        }
+    }
+}
+
+/// z' M^-1 z. The nodes of a gap end their bars and M does not couple bars, so each contributes the inverse of the
+/// last pivot of the elimination of its bar towards it.
+fn contact_compliance(mass: &Tridiagonal, gap: Gap) -> f64 {
+    let coupled = |i: usize| mass.off_diagonal[i] != 0.0;
+    let step = |pivot: f64, i: usize, off: usize| {
+        mass.diagonal[i] - mass.off_diagonal[off] * (mass.off_diagonal[off] / pivot)
+    };
+    let n = mass.diagonal.len();
+    let towards = |node: usize| {
+        let from_left = node > 0 && coupled(node - 1);
+        let from_right = node + 1 < n && coupled(node);
+        let mut pivot = mass.diagonal[node];
+        if from_left {
+            let first = (0..node).rev().take_while(|i| coupled(*i)).last().unwrap_or(node);
+            pivot = (first + 1..=node).fold(mass.diagonal[first], |p, i| step(p, i, i - 1));
+        } else if from_right {
+            let last = (node..n - 1).take_while(|i| coupled(*i)).last().unwrap_or(node) + 1;
+            pivot = (node..last).rev().fold(mass.diagonal[last], |p, i| step(p, i, i));
+        }
+        1.0 / pivot
+    };
+    gap.nodes().map(towards).sum()
+}

@@ -1,0 +1,20 @@
+//! The scenes of the paper, compiled in from the files under `analyses/scenes/`.
+
+use super::{Scene, file};
+use crate::error::Result;
+
+/// Name and TOML text of every built-in scene.
+pub const BUILT_IN: [(&str, &str); 3] = [
+    ("signorini", include_str!("../../analyses/scenes/signorini.toml")),
+    ("symmetric", include_str!("../../analyses/scenes/symmetric.toml")),
+    ("hunek", include_str!("../../analyses/scenes/hunek.toml")),
+];
+
+/// The built-in scene of this name, or `None`.
+///
+/// # Errors
+/// None in practice: the compiled-in texts are read by a test.
+pub fn built_in(name: &str) -> Option<Result<Scene>> {
+    let (name, text) = BUILT_IN.iter().find(|(known, _)| *known == name)?;
+    Some(file::parse(text, &format!("built-in scene {name}")))
+}

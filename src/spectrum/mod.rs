@@ -1,0 +1,106 @@
+//! The largest eigenvalue l_max = omega_max^2 of a [`Pencil`] with its contact terms, and the evidence for it.
+//!
+//! Engines: [`Sturm`] (bisection on the sign of the pivots, any pencil), [`Dense`] (faer), [`Secular`] (one scalar
+//! function for all penalties) and, with the feature `lapack`, an independent oracle. Krylov and power estimates err
+//! on the unsafe side, a time step too large, so no engine returns a bare number: each answer is enclosed.
+
+mod chain;
+mod dense;
+#[cfg(feature = "lapack")]
+pub mod lapack;
+mod root;
+mod secular;
+mod sturm;
+
+pub use chain::{Chain, Segment};
+pub use dense::Dense;
+pub use root::{bisect, find_sign_change};
+pub use secular::Secular;
+pub use sturm::Sturm;
+
+use crate::pencil::{Pencil, Penalty};
+
+/// Unit roundoff of f64, 2^-53.
+pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+
+/// The widest relative enclosure of l_max that counts as certified: the critical step, which goes with its square
+/// root, is then certified to 1e-13.
+pub const WIDEST_ENCLOSURE: f64 = 2e-13;
+
+/// A largest eigenvalue and the interval that is proven to hold the exact one of the pencil as stored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Enclosure {
+    /// The best value, rad^2/s^2.
+    pub value: f64,
+    /// No exact value lies below this.
+    pub lower: f64,
+    /// No exact value lies above this.
+    pub upper: f64,
+}
+
+impl Enclosure {
+    /// From a bracket of the computed sign change and the relative backward error kappa of the sign: a computed
+    /// sign at l is the exact one at some l' with |l' - l| <= kappa l.
+    pub fn from_bracket(low: f64, high: f64, kappa: f64) -> Self {
+        let value = low + 0.5 * (high - low);
+        Self { value, lower: low * (1.0 - kappa), upper: high * (1.0 + kappa) }
+    }
+
+    /// (upper - lower)/value.
+    pub fn relative_width(&self) -> f64 {
+        (self.upper - self.lower) / self.value
+    }
+}
+
+/// An eigenvalue that could not be enclosed tightly enough to be quoted.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "l_max = {value:e} rad^2/s^2 was enclosed to {width:e} relative only, wider than {WIDEST_ENCLOSURE:e} allows"
+)]
+pub struct Uncertified {
+    /// The value that was found, rad^2/s^2.
+    pub value: f64,
+    /// The relative width that was reached; infinite when the check contradicted the value.
+    pub width: f64,
+}
+
+/// One way to the largest eigenvalue of one scene, for any penalties of its contacts.
+///
+/// `start` may hand on a nearby eigenvalue, such as the neighbour's on a map; it changes the cost, and the value by no
+/// more than the enclosure.
+pub trait Engine: Sync {
+    /// The name in records and on the command line.
+    fn name(&self) -> &'static str;
+
+    /// l_max without evidence.
+    fn estimate(&self, penalties: &[Penalty], start: Option<f64>) -> f64;
+
+    /// l_max with its enclosure.
+    ///
+    /// # Errors
+    /// [`Uncertified`] if the enclosure is wider than [`WIDEST_ENCLOSURE`] or contradicts the value.
+    fn enclose(&self, penalties: &[Penalty], start: Option<f64>) -> Result<Enclosure, Uncertified>;
+}
+
+/// The relative backward error of the sign of the computed last pivot of K - l M with its contacts.
+///
+/// Every pivot is the exact pivot of a pencil whose entries differ by at most 8 unit roundoffs: forming an entry of
+/// K - l M takes 2 roundings, the step b (b/d) and its subtraction 3, a contact d (c/(d+c)) 4, and errors of a pivot
+/// pass as relative errors to the entries of its row. With |K| <= B M (B the element bound), s z z' <= C (M + M_p)
+/// (C the contact bound) and |M| <= M + M_p in the same sense, that moves the eigenvalue by at most
+/// 8u (l + B + C).
+pub fn sturm_backward_error(pencil: &Pencil, penalties: &[Penalty], l: f64) -> f64 {
+    8.0 * UNIT_ROUNDOFF * (1.0 + (pencil.element_bound() + pencil.contact_bound(penalties)) / l)
+}
+
+/// Refuses an enclosure that is too wide or does not hold its own value.
+pub fn certify(enclosure: Enclosure) -> Result<Enclosure, Uncertified> {
+    let width = enclosure.relative_width();
+    let holds = enclosure.lower <= enclosure.value && enclosure.value <= enclosure.upper;
+    if holds && width <= WIDEST_ENCLOSURE {
+        Ok(enclosure)
+    } else {
+        let width = if holds { width } else { f64::INFINITY };
+        Err(Uncertified { value: enclosure.value, width })
+    }
+}

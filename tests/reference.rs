@@ -1,0 +1,103 @@
+//! Every engine against the 80-digit values of `tests/data/critical_courant.csv`, made by Sturm bisection in
+//! extended precision (`tests/data/README.md`): bars of unit elements, three scenes, three mass matrices.
+
+use bipenalty::fem::MassMatrix;
+use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
+use bipenalty::scene::{Bar, End, Impact, Scene};
+use bipenalty::stability::{EngineName, Model};
+
+struct Row {
+    scene: String,
+    elements: usize,
+    gamma: f64,
+    beta_s: f64,
+    ratio: f64,
+    critical_courant: f64,
+    line: usize,
+}
+
+fn rows() -> Vec<Row> {
+    let text = include_str!("data/critical_courant.csv");
+    let row = |(i, line): (usize, &str)| {
+        let field: Vec<&str> = line.split(',').collect();
+        let number = |k: usize| field[k].parse().unwrap();
+        Row {
+            scene: field[0].to_owned(),
+            elements: field[1].parse().unwrap(),
+            gamma: number(2),
+            beta_s: number(3),
+            ratio: number(4),
+            critical_courant: number(5),
+            line: i + 2,
+        }
+    };
+    text.lines().skip(1).enumerate().map(row).collect()
+}
+
+/// The scene of a row with E = rho = A = h = 1.
+fn unit_scene(name: &str, elements: usize) -> Scene {
+    let bar = |elements: usize| Bar {
+        length: elements as f64,
+        elements,
+        youngs_modulus: 1.0,
+        density: 1.0,
+        area: 1.0,
+        velocity: 0.0,
+    };
+    let n = elements;
+    let (bars, right) = match name {
+        "signorini" => (vec![bar(n)], End::Wall),
+        "symmetric" => (vec![bar(n), bar(n)], End::Free),
+        "hunek" => (vec![bar(n), bar(2 * n)], End::Fixed),
+        other => panic!("unknown scene {other}"),
+    };
+    Scene::new(name, End::Free, bars, right, None::<Impact>).unwrap()
+}
+
+/// Largest relative error of `engine` over all rows; every enclosure must hold the reference value.
+fn worst_error(engine: EngineName) -> (f64, usize) {
+    let mut worst = (0.0, 0);
+    for row in rows() {
+        let mass = MassMatrix::new(row.gamma).unwrap();
+        let model = Model::new(unit_scene(&row.scene, row.elements), mass, PenaltyMass::Consistent);
+        let pencil = model.pencil();
+        let penalties = model
+            .penalties(StiffnessPenalty::new(row.beta_s).unwrap(), Ratio::new(row.ratio).unwrap());
+        let step = model.engine(engine, &pencil).enclose(&penalties, None);
+        let step = model.critical_step(step.unwrap_or_else(|e| panic!("line {}: {e}", row.line)));
+        let exact = row.critical_courant;
+        assert!(step.lower <= exact && exact <= step.upper, "line {}: {step:?} misses {exact:e}", row.line);
+        let error = (step.critical_courant / exact - 1.0).abs();
+        if error > worst.0 {
+            worst = (error, row.line);
+        }
+    }
+    worst
+}
+
+fn check(engine: EngineName, allowed: f64) {
+    let (error, line) = worst_error(engine);
+    println!("{engine:?}: worst relative error {error:e} in line {line}");
+    assert!(error <= allowed, "{engine:?}: {error:e} > {allowed:e} in line {line}");
+    assert_eq!(rows().len(), 1728);
+}
+
+#[test]
+fn sturm_reproduces_the_80_digit_values() {
+    check(EngineName::Sturm, 4e-15);
+}
+
+#[test]
+fn secular_reproduces_the_80_digit_values() {
+    check(EngineName::Secular, 4e-15);
+}
+
+#[test]
+fn closed_form_reproduces_the_80_digit_values() {
+    check(EngineName::ClosedForm, 4e-15);
+}
+
+#[test]
+fn dense_reproduces_the_80_digit_values() {
+    check(EngineName::Dense, 1e-13);
+}
