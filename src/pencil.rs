@@ -117,9 +117,8 @@ impl Pencil {
     /// sum_j s_j min(mu_j/(1 + m_j mu_j), 2/d_j), rad^2/s^2: a bound of the contact stiffness relative to M + M_p,
     /// because z z' <= mu/(1 + m mu) (M + m z z') and z z' <= 2/d diag(d).
     pub fn contact_bound(&self, penalties: &[Penalty]) -> f64 {
-        let term = |(mu, p): (&f64, &Penalty)| {
-            p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass)
-        };
+        let term =
+            |(mu, p): (&f64, &Penalty)| p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass);
         self.compliance.iter().zip(penalties).map(term).sum()
     }
 
@@ -139,9 +138,10 @@ impl Pencil {
     /// A lower bound of l_max: the largest Rayleigh quotient of a single node, its contact included.
     pub fn lower_bound(&self, penalties: &[Penalty]) -> f64 {
         let (k, m) = (&self.stiffness.diagonal, &self.mass.diagonal);
-        let touching = self.gaps.iter().zip(penalties).flat_map(|(gap, p)| {
-            gap.nodes().map(|i| (k[i] + p.stiffness) / (m[i] + p.mass + p.nodal_mass))
-        });
+        let touching =
+            self.gaps.iter().zip(penalties).flat_map(|(gap, p)| {
+                gap.nodes().map(|i| (k[i] + p.stiffness) / (m[i] + p.mass + p.nodal_mass))
+            });
         touching.fold(self.largest_node, f64::max)
     }
 }

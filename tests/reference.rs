@@ -61,9 +61,9 @@ fn worst_error(engine: EngineName) -> (f64, usize) {
         let mass = MassMatrix::new(row.gamma).unwrap();
         let model = Model::new(unit_scene(&row.scene, row.elements), mass, PenaltyMass::Consistent);
         let pencil = model.pencil();
-        let penalties = model
-            .penalties(StiffnessPenalty::new(row.beta_s).unwrap(), Ratio::new(row.ratio).unwrap());
-        let step = model.engine(engine, &pencil).enclose(&penalties, None);
+        let penalties =
+            model.penalties(StiffnessPenalty::new(row.beta_s).unwrap(), Ratio::new(row.ratio).unwrap());
+        let step = model.engine(engine, Some(&pencil)).enclose(&penalties, None);
         let step = model.critical_step(step.unwrap_or_else(|e| panic!("line {}: {e}", row.line)));
         let exact = row.critical_courant;
         assert!(step.lower <= exact && exact <= step.upper, "line {}: {step:?} misses {exact:e}", row.line);

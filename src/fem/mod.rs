@@ -89,8 +89,7 @@ pub fn assemble(scene: &Scene, mass: MassMatrix) -> Pencil {
         ContactSite::Between(bar) => Gap::Pair { left: bar_ends[bar].1 },
         ContactSite::RightWall => Gap::Wall { node: bar_ends[last].1 },
     });
-    let element_bound =
-        scene.bars().iter().map(|bar| mass.element_eigenvalue(bar)).fold(0.0, f64::max);
+    let element_bound = scene.bars().iter().map(|bar| mass.element_eigenvalue(bar)).fold(0.0, f64::max);
     Pencil::new(stiffness, inertia, gaps.collect(), element_bound)
 }
 

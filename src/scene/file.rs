@@ -135,8 +135,10 @@ impl Lines {
             let start = impact.span().start;
             found.push(("impact.duration".to_owned(), values.duration.span().start));
             found.push(("impact.gaps".to_owned(), values.gaps.as_ref().map_or(start, |g| g.span().start)));
-            found
-                .push(("impact.gravity".to_owned(), values.gravity.as_ref().map_or(start, |g| g.span().start)));
+            found.push((
+                "impact.gravity".to_owned(),
+                values.gravity.as_ref().map_or(start, |g| g.span().start),
+            ));
         }
         Self(found.into_iter().map(|(key, at)| (key, line_of(text, at))).collect())
     }

@@ -10,7 +10,7 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, Par, Side};
 
 use super::{Enclosure, Engine, Sturm, Uncertified, WIDEST_ENCLOSURE};
-use crate::pencil::{Gap, Pencil, Penalty, Tridiagonal};
+use crate::pencil::{Gap, Penalty, Pencil, Tridiagonal};
 
 /// More nodes than this are refused for the dense engine: one matrix would take over 3 GB and a point hours.
 pub const MAX_DENSE_NODES: usize = 20_000;

@@ -13,12 +13,12 @@ mod secular;
 mod sturm;
 
 pub use chain::{Chain, Segment};
-pub use dense::Dense;
+pub use dense::{Dense, MAX_DENSE_NODES};
 pub use root::{bisect, find_sign_change};
 pub use secular::Secular;
 pub use sturm::Sturm;
 
-use crate::pencil::{Pencil, Penalty};
+use crate::pencil::{Penalty, Pencil};
 
 /// Unit roundoff of f64, 2^-53.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;

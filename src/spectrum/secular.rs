@@ -24,7 +24,7 @@ use super::{
     Enclosure, Engine, Segment, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
     sturm_backward_error,
 };
-use crate::pencil::{Pencil, Penalty};
+use crate::pencil::{Penalty, Pencil};
 
 /// Degree of the interpolant in one octave.
 const DEGREE: usize = 25;

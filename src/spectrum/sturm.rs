@@ -1,7 +1,7 @@
 //! Bisection on the sign of the pivots of the tridiagonal pencil: slow, simple, right for every scene.
 
 use super::{Chain, Enclosure, Engine, Segment, Uncertified, bisect, certify, sturm_backward_error};
-use crate::pencil::{Gap, Pencil, Penalty};
+use crate::pencil::{Gap, Penalty, Pencil};
 
 /// The nodes of one bar, as rows of the tridiagonal pencil. An elimination costs n divisions.
 #[derive(Debug, Clone)]

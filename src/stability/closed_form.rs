@@ -135,15 +135,13 @@ impl ClosedForm {
     /// The engine for `scene` with `mass`.
     pub fn new(scene: &Scene, mass: MassMatrix) -> Self {
         let last = scene.bars().len() - 1;
-        let fixed = |i: usize| (i == 0 && scene.left() == End::Fixed, i == last && scene.right() == End::Fixed);
+        let fixed =
+            |i: usize| (i == 0 && scene.left() == End::Fixed, i == last && scene.right() == End::Fixed);
         let uniform = |(i, bar)| UniformBar::new(bar, mass, fixed(i).0, fixed(i).1);
         let segments: Vec<UniformBar> = scene.bars().iter().enumerate().map(uniform).collect();
         let element_bound = segments.iter().map(|bar| bar.eigenvalue).fold(0.0, f64::max);
-        let chain = Chain {
-            left_wall: scene.left() == End::Wall,
-            right_wall: scene.right() == End::Wall,
-            segments,
-        };
+        let chain =
+            Chain { left_wall: scene.left() == End::Wall, right_wall: scene.right() == End::Wall, segments };
         // K_ii/M_ii is the same for every node of a bar: 6/(2+g) EA/h/(rho h A).
         let node = |bar: &UniformBar| bar.stiffness / bar.element_mass / mass.entries().0;
         Self {
@@ -155,10 +153,24 @@ impl ClosedForm {
         }
     }
 
-    fn contact_bound(&self, penalties: &[Penalty]) -> f64 {
-        let term = |(mu, p): (&f64, &Penalty)| {
-            p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass)
+    /// T(l) = -1/phi(l) of a scene with a single contact, N/m; `None` with several contacts, and where the scene with
+    /// its gap held has an eigenvalue at or above l.
+    pub fn gap_stiffness(&self, l: f64) -> Option<f64> {
+        let t = match self.kind {
+            Kind::Row => return None,
+            _ => self.excess(&[Penalty::default()], l),
         };
+        t.is_finite().then_some(t)
+    }
+
+    /// Whether every eigenvalue lies below l.
+    pub fn is_above_spectrum(&self, penalties: &[Penalty], l: f64) -> bool {
+        self.excess(penalties, l) > 0.0
+    }
+
+    fn contact_bound(&self, penalties: &[Penalty]) -> f64 {
+        let term =
+            |(mu, p): (&f64, &Penalty)| p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass);
         self.compliance.iter().zip(penalties).map(term).sum()
     }
 
@@ -217,7 +229,11 @@ fn around(
 ) -> ((f64, f64), (f64, f64)) {
     let Some(start) = start.filter(|l| low.0 < *l && *l < high.0) else { return (low, high) };
     let value = f(start);
-    if value < 0.0 { low = (start, value) } else { high = (start, value) }
+    if value < 0.0 {
+        low = (start, value)
+    } else {
+        high = (start, value)
+    }
     (low, high)
 }
 
@@ -265,7 +281,8 @@ fn one_contact(
     l: f64,
 ) -> f64 {
     let seen = |side: &Option<(UniformBar, bool)>| {
-        side.as_ref().map(|(bar, far_fixed)| Some(bar.seen_from_contact(l, *far_fixed)? + l * penalty.nodal_mass))
+        side.as_ref()
+            .map(|(bar, far_fixed)| Some(bar.seen_from_contact(l, *far_fixed)? + l * penalty.nodal_mass))
     };
     let t = match (seen(left), seen(right)) {
         (Some(Some(t)), None) | (None, Some(Some(t))) => t,

@@ -29,8 +29,9 @@ impl Axis {
     /// Refuses ends that are not finite, an empty or reversed range and fewer than 2 or too many points.
     pub fn linear(start: f64, stop: f64, count: usize) -> Result<Self, Refusal> {
         check_range(start, stop, count)?;
-        let step = (stop - start) / (count - 1) as f64;
-        let value = |i| if i + 1 == count { stop } else { start + i as f64 * step };
+        // Divided last, so that 0.15 comes out as 3/20 and not as 3 * 0.05.
+        let value =
+            |i| if i + 1 == count { stop } else { start + (stop - start) * i as f64 / (count - 1) as f64 };
         Ok(Self { values: (0..count).map(value).collect(), log: false })
     }
 
@@ -88,7 +89,11 @@ impl FromStr for Axis {
         };
         let parts: Vec<&str> = range.split(':').collect();
         let [start, stop, count] = parts[..] else {
-            return Err(Refusal::new("range", format!("{text:?}"), "lin:start:stop:count or log:start:stop:count"));
+            return Err(Refusal::new(
+                "range",
+                format!("{text:?}"),
+                "lin:start:stop:count or log:start:stop:count",
+            ));
         };
         let (start, stop) = (number(start)?, number(stop)?);
         let allowed = format!("an integer from 2 to {MAX_POINTS}");
@@ -99,7 +104,11 @@ impl FromStr for Axis {
         match kind {
             "lin" => Self::linear(start, stop, count as usize),
             "log" => Self::log(start, stop, count as usize),
-            _ => Err(Refusal::new("range", format!("{text:?}"), "lin:start:stop:count or log:start:stop:count")),
+            _ => Err(Refusal::new(
+                "range",
+                format!("{text:?}"),
+                "lin:start:stop:count or log:start:stop:count",
+            )),
         }
     }
 }

@@ -1,11 +1,16 @@
 //! From eigenvalues to time steps: the critical step, grids of penalties, maps, contour lines, the optimal ratio.
 
 mod closed_form;
+mod contour;
 mod grid;
 mod map;
 mod model;
+mod optimal_ratio;
+mod plan;
 
 pub use closed_form::{ClosedForm, UniformBar};
+pub use contour::contour;
 pub use grid::{Axis, Grid};
 pub use map::{Curve, Point, map};
 pub use model::{CriticalStep, EngineName, Model};
+pub use optimal_ratio::{Expectation, OptimalRatio, check_has_contact, optimal_ratio};

@@ -5,8 +5,8 @@ use std::str::FromStr;
 use super::ClosedForm;
 use crate::error::Refusal;
 use crate::fem::{MassMatrix, assemble};
-use crate::pencil::{Pencil, Penalty};
 use crate::penalty::{ContactScale, PenaltyMass, Ratio, StiffnessPenalty, reference_bar};
+use crate::pencil::{Penalty, Pencil};
 use crate::scene::Scene;
 use crate::spectrum::{Dense, Enclosure, Engine, Secular, Sturm};
 
@@ -40,6 +40,27 @@ impl EngineName {
         #[cfg(feature = "lapack")]
         ("lapack", Self::Lapack),
     ];
+}
+
+impl EngineName {
+    /// The name as typed.
+    pub fn text(self) -> &'static str {
+        Self::ALL.iter().find(|(_, engine)| *engine == self).map_or("auto", |(name, _)| name)
+    }
+
+    /// Whether the engine works on the assembled pencil.
+    pub fn needs_pencil(self) -> bool {
+        !matches!(self, Self::Auto | Self::ClosedForm)
+    }
+
+    /// Whether the engine needs memory quadratic in the number of nodes.
+    pub fn is_dense(self) -> bool {
+        #[cfg(feature = "lapack")]
+        if self == Self::Lapack {
+            return true;
+        }
+        self == Self::Dense
+    }
 }
 
 impl FromStr for EngineName {
@@ -97,6 +118,11 @@ impl Model {
         self.mass
     }
 
+    /// The form of the mass penalty.
+    pub fn form(&self) -> PenaltyMass {
+        self.form
+    }
+
     /// The scales of the contacts from left to right.
     pub fn scales(&self) -> &[ContactScale] {
         &self.scales
@@ -120,8 +146,9 @@ impl Model {
         self.scales.iter().try_for_each(|scale| scale.check(beta_s, ratio))
     }
 
-    /// The engine called `name`; `pencil` must be [`Model::pencil`], and may be `None` for the closed form.
-    pub fn engine<'a>(&self, name: EngineName, pencil: &'a Pencil) -> Box<dyn Engine + 'a> {
+    /// The engine called `name`. Engines that work on the pencil need it; without one, the closed form serves.
+    pub fn engine<'a>(&self, name: EngineName, pencil: Option<&'a Pencil>) -> Box<dyn Engine + 'a> {
+        let Some(pencil) = pencil else { return Box::new(ClosedForm::new(&self.scene, self.mass)) };
         match name {
             EngineName::Auto | EngineName::ClosedForm => Box::new(ClosedForm::new(&self.scene, self.mass)),
             EngineName::Secular => Box::new(Secular::new(pencil)),

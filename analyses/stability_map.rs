@@ -1,0 +1,140 @@
+//! Which time step is stable, and what does the contact penalty do to it?
+//!
+//! For every scene and mass matrix the largest eigenvalue of the bi-penalised pencil is found on a grid of the
+//! stiffness penalty beta_s and the ratio r, with an enclosure, and 2/omega_max is drawn as the critical Courant
+//! number. Without a scene: the charts of the paper, the same for long bars, and maps over 15 decades of beta_s.
+
+use std::process::ExitCode;
+
+use bipenalty::cli::{
+    Chart, Job, Limit, MapSummary, Output, OutputOptions, Progress, SceneOptions, Solved, Verdict, finish,
+    paper, print_summaries, single_point,
+};
+use bipenalty::error::{Refusal, Result};
+use bipenalty::plot::charts;
+use bipenalty::record::StabilityRow;
+use bipenalty::scene::built_in;
+use bipenalty::stability::{Axis, EngineName, contour};
+use clap::Parser;
+
+/// Critical time steps of bars in contact: C_r over the stiffness penalty and the ratio, certified.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXAMPLES)]
+struct Options {
+    #[command(flatten)]
+    scene: SceneOptions,
+    /// Stiffness penalties: a list 0,0.5,10 or lin:0:10:401 or log:1e-3:1e12:301 (start:stop:count)
+    #[arg(long, value_name = "SPEC")]
+    beta_s: Option<Axis>,
+    /// Penalty ratios r, in the same forms; inf is the pure penalty method
+    #[arg(long, value_name = "SPEC")]
+    ratio: Option<Axis>,
+    /// Whose limit to show
+    #[arg(long, value_name = "NAME", default_value = "spectrum")]
+    limit: Limit,
+    /// auto, closed-form, secular, sturm, dense, or lapack where it is built in
+    #[arg(long, value_name = "NAME", default_value = "auto")]
+    engine: EngineName,
+    #[command(flatten)]
+    output: OutputOptions,
+}
+
+const EXAMPLES: &str = "Examples:
+  stability-map                                     the charts of the paper, into figures/stability-map/
+  stability-map my-bars.toml --beta-s 10 --ratio 1  which time step is safe for my bars
+  stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
+  stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv";
+
+fn main() -> ExitCode {
+    finish(run(&Options::parse()))
+}
+
+fn run(options: &Options) -> Result<Verdict> {
+    let jobs = plan(options)?;
+    let output = Output::prepare(&options.output, "stability-map")?;
+    if options.output.explain {
+        jobs.iter().for_each(|job| print!("{}", job.explain(options.engine)));
+        return Ok(Verdict::Holds);
+    }
+    let (mut summaries, mut answers, mut printed, mut files) = (Vec::new(), Vec::new(), Vec::new(), 0);
+    let progress = Progress::new(jobs.iter().map(Job::points).sum(), "points", options.output.quiet);
+    for job in &jobs {
+        let solved = job.solve(options.engine, &progress);
+        let rows = |s: &Solved| StabilityRow::of(&s.model, options.limit.name(), &s.curves, s.engine);
+        let rows: Vec<Vec<StabilityRow>> = solved.iter().map(rows).collect();
+        files += output.write_rows(&job.stem, &rows.concat())?.len();
+        if output.wants_figures() {
+            files += draw(job, &rows, &output)?;
+        }
+        if job.chart != Chart::MassFamily {
+            summaries.extend(solved.iter().map(MapSummary::of));
+        }
+        if job.points() == 1 {
+            answers
+                .extend(solved.iter().zip(&rows).filter_map(|(solved, rows)| single_point(solved, &rows[0])));
+        }
+        if output.to_stdout() {
+            printed.extend(rows.concat());
+        }
+    }
+    drop(progress);
+    output.print(printed)?;
+    if !options.output.quiet {
+        answers.iter().for_each(|answer| eprintln!("{answer}"));
+        print_summaries(&summaries);
+        if files > 0 {
+            eprintln!("{files} files in {}", output.directory().display());
+        }
+    }
+    let holds = summaries.iter().all(|summary| summary.holds);
+    Ok(if holds { Verdict::Holds } else { Verdict::Fails })
+}
+
+/// The figures of the paper, or one figure for each scene and mass matrix that was asked for.
+fn plan(options: &Options) -> Result<Vec<Job>> {
+    let scenes = options.scene.scenes()?;
+    let own_axes = options.beta_s.is_some() || options.ratio.is_some() || options.scene.elements.is_some();
+    let jobs = if scenes.is_empty() && own_axes {
+        return Err(
+            Refusal::new("SCENE", "none", "at least one scene with --beta-s, --ratio or --elements").into()
+        );
+    } else if scenes.is_empty() {
+        let remeshed = |name: &str, elements: usize| match built_in(name) {
+            Some(scene) => Ok(scene?.with_elements(elements)?),
+            None => Err(Refusal::new("SCENE", name, "a built-in scene").into()),
+        };
+        paper(&remeshed, &options.scene.mass.0, options.scene.penalty_mass.into())?
+    } else {
+        let beta_s = options.beta_s.clone().map_or_else(|| Axis::linear(0.0, 10.0, 401), Ok)?;
+        let ratio = options.ratio.clone().unwrap_or_else(|| Axis::list([0.5, 1.0, 2.0, 3.0, f64::INFINITY]));
+        let mut jobs = Vec::new();
+        for model in scenes.iter().flat_map(|scene| options.scene.models(scene)) {
+            let stem = format!("{}-{}", model.scene().name(), model.mass().name());
+            jobs.push(Job::new(stem, vec![model], beta_s.clone(), ratio.clone())?);
+        }
+        jobs
+    };
+    jobs.iter().try_for_each(|job| job.check_engine(options.engine))?;
+    Ok(jobs)
+}
+
+/// Draws the chart of a job from its rows; contour lines come from the secular equation, not from the grid.
+fn draw(job: &Job, rows: &[Vec<StabilityRow>], output: &Output) -> Result<usize> {
+    let figure = match job.chart {
+        Chart::None => return Ok(0),
+        Chart::Curves => charts::curves(rows, job.beta_s.log),
+        Chart::MassFamily => charts::mass_family(rows),
+        Chart::Map => {
+            let range = |axis: &Axis| (axis.values[0], axis.values[axis.values.len() - 1]);
+            let (beta_s, ratio) = (range(&job.beta_s), range(&job.ratio));
+            let mut lines = Vec::new();
+            for (model, rows) in job.models.iter().zip(rows) {
+                let levels = charts::levels(rows);
+                let line = |level: f64| Ok((level, contour(model, level, beta_s, ratio)?));
+                lines.push(levels.into_iter().map(line).collect::<Result<Vec<_>>>()?);
+            }
+            charts::map(rows, &lines)
+        }
+    };
+    Ok(output.write_figure(&job.stem, &figure)?.len())
+}

@@ -1,0 +1,45 @@
+//! Arguments -> plan -> run -> write: what the command line tools share.
+//!
+//! Records go to files or standard output, everything else to standard error. Exit status 0: done, and what was
+//! checked holds; 1: done, and a check did not hold; 2: refused, nothing computed or written.
+
+mod maps;
+mod options;
+mod output;
+mod progress;
+mod summary;
+
+pub use maps::{Chart, Job, Solved, paper};
+pub use options::{Format, Limit, OutputOptions, SceneOptions, StandardOutput};
+pub use output::Output;
+pub use progress::Progress;
+pub use summary::{MapSummary, print_summaries, print_table, single_point};
+
+use std::process::ExitCode;
+
+use crate::error::{Error, Result};
+
+/// Whether what a run checked holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Every check holds.
+    Holds,
+    /// A check does not hold; its row says which.
+    Fails,
+}
+
+/// Turns the outcome of a tool into its exit status, with one message on standard error.
+pub fn finish(outcome: Result<Verdict>) -> ExitCode {
+    match outcome {
+        Ok(Verdict::Holds) => ExitCode::SUCCESS,
+        Ok(Verdict::Fails) => ExitCode::from(1),
+        // A reader that stops early, such as `head`, is not an error.
+        Err(Error::File { source, .. }) if source.kind() == std::io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}

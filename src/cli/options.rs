@@ -1,0 +1,174 @@
+//! The flags that mean the same in every tool.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::error::{Refusal, Result};
+use crate::fem::MassMatrix;
+use crate::penalty::PenaltyMass;
+use crate::scene::{Scene, load};
+use crate::stability::Model;
+
+/// Which scenes, how finely meshed, with which mass.
+#[derive(Debug, Clone, Args)]
+pub struct SceneOptions {
+    /// Scenes: signorini, symmetric, hunek, or the path of a TOML file
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// Elements of the first bar; the other bars keep their proportion
+    #[arg(long, value_name = "N")]
+    pub elements: Option<usize>,
+    /// Mass matrices: lumped, averaged, consistent, or gamma in [0, 1]
+    #[arg(long, value_name = "LIST", default_value = "lumped,averaged,consistent", value_parser = masses)]
+    pub mass: MassList,
+    /// Form of the mass penalty M_p
+    #[arg(long, value_name = "FORM", default_value = "consistent")]
+    pub penalty_mass: PenaltyMassOption,
+}
+
+/// A list of mass matrices.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MassList(pub Vec<MassMatrix>);
+
+/// The form of M_p as typed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PenaltyMassOption {
+    /// M_p = m z z'
+    Consistent,
+    /// Row sums of |M_p| on the diagonal
+    Diagonalised,
+}
+
+impl From<PenaltyMassOption> for PenaltyMass {
+    fn from(option: PenaltyMassOption) -> Self {
+        match option {
+            PenaltyMassOption::Consistent => Self::Consistent,
+            PenaltyMassOption::Diagonalised => Self::Diagonalised,
+        }
+    }
+}
+
+fn masses(text: &str) -> Result<MassList, Refusal> {
+    let mass = |word: &str| match word.trim() {
+        "lumped" => Ok(MassMatrix::LUMPED),
+        "averaged" => Ok(MassMatrix::AVERAGED),
+        "consistent" => Ok(MassMatrix::CONSISTENT),
+        other => match other.parse() {
+            Ok(gamma) => MassMatrix::new(gamma),
+            Err(_) => Err(Refusal::new(
+                "mass",
+                format!("{other:?}"),
+                "lumped, averaged, consistent or a number gamma in [0, 1]",
+            )),
+        },
+    };
+    text.split(',').map(mass).collect::<Result<_, _>>().map(MassList)
+}
+
+impl SceneOptions {
+    /// The scenes as asked for, remeshed.
+    ///
+    /// # Errors
+    /// What the scene files and `--elements` are refused for.
+    pub fn scenes(&self) -> Result<Vec<Scene>> {
+        let remeshed = |name: &String| -> Result<Scene> {
+            let scene = load(name)?;
+            Ok(match self.elements {
+                Some(elements) => scene.with_elements(elements)?,
+                None => scene,
+            })
+        };
+        self.scenes.iter().map(remeshed).collect()
+    }
+
+    /// The models of `scene`, one a mass matrix.
+    pub fn models(&self, scene: &Scene) -> Vec<Model> {
+        let model = |mass: &MassMatrix| Model::new(scene.clone(), *mass, self.penalty_mass.into());
+        self.mass.0.iter().map(model).collect()
+    }
+}
+
+/// Whose stability limit a map shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Limit {
+    /// 2/omega_max of the penalised pencil
+    Spectrum,
+    /// The central difference scheme with closed contact: equal to the spectrum's
+    CentralDifference,
+}
+
+impl Limit {
+    /// The name in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Spectrum => "spectrum",
+            Self::CentralDifference => "central-difference",
+        }
+    }
+}
+
+/// Where the results go.
+#[derive(Debug, Clone, Args)]
+pub struct OutputOptions {
+    /// Directory for the files [default: figures/<tool>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// What to write: svg, png, pdf, csv, json
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "svg,png,csv")]
+    pub format: Vec<Format>,
+    /// Print the records on standard output and write no file
+    #[arg(long, value_name = "FORMAT")]
+    pub stdout: Option<StandardOutput>,
+    /// Number of threads [default: all cores]; the results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Say what would be computed, by what, and what the scene lets the run leave out; compute nothing
+    #[arg(long)]
+    pub explain: bool,
+    /// No progress, no summary
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// A kind of file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Vector figure
+    Svg,
+    /// Figure at 300 dpi
+    Png,
+    /// Vector figure with embedded fonts
+    Pdf,
+    /// Records
+    Csv,
+    /// Records with their provenance
+    Json,
+}
+
+impl Format {
+    /// The ending of a file name.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Svg => "svg",
+            Self::Png => "png",
+            Self::Pdf => "pdf",
+            Self::Csv => "csv",
+            Self::Json => "json",
+        }
+    }
+
+    /// Whether this is a picture.
+    pub fn is_figure(self) -> bool {
+        matches!(self, Self::Svg | Self::Png | Self::Pdf)
+    }
+}
+
+/// The form of records on standard output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StandardOutput {
+    /// One header, one line a row
+    Csv,
+    /// One document with provenance
+    Json,
+}

@@ -1,0 +1,154 @@
+//! Frames, ticks, axis labels, titles and the colour bar.
+
+use super::canvas::{Anchor, Canvas, Pen, Text};
+use super::cells::colour;
+use super::error::PlotError;
+use super::font::Line;
+use super::geometry::{Point, Rect};
+use super::layout::{PlacedBar, PlacedPanel, text_height};
+use super::model::Axis;
+use super::theme::{AXIS_SIZE, BLACK, FRAME_STROKE, GAP, MAJOR_TICK, MINOR_TICK, TICK_SIZE, TITLE_SIZE};
+use super::ticks::{Ticks, power_of_ten};
+
+/// Colours in the colour bar, more than the eye tells apart.
+const BAR_COLOURS: u32 = 160;
+/// A quarter turn to the left, as vertical axis labels are read, degrees.
+const UPWARDS: f64 = -90.0;
+
+/// Draws the frame of a panel with ticks, labels and title.
+pub(super) fn draw_axes(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(), PlotError> {
+    let (panel, frame) = (placed.panel, &placed.frame);
+    let rect = frame.rect;
+    outline(canvas, rect)?;
+    bottom_axis(canvas, placed)?;
+    let at = |value| frame.y_at(value);
+    vertical_axis(canvas, &panel.y, &placed.y_ticks, rect, Edge::Left, at)?;
+    if let Some(title) = &panel.title {
+        let line = canvas.fonts().line(title, TITLE_SIZE)?;
+        let at = (rect.centre().0, rect.top - 2.0 * GAP);
+        canvas.text(&plain(&line, at, Anchor::BOTTOM));
+    }
+    Ok(())
+}
+
+/// Draws the colour bar with its ticks and label.
+pub(super) fn draw_bar(canvas: &mut Canvas, placed: &PlacedBar) -> Result<(), PlotError> {
+    let rect = placed.rect;
+    // Each colour reaches to the top and is covered by the next: no seams.
+    for step in 0..BAR_COLOURS {
+        let share = f64::from(step) / f64::from(BAR_COLOURS);
+        let Rect { left, top, right, .. } = rect;
+        let bottom = rect.bottom - share * rect.height();
+        let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
+        let middle = share + 0.5 / f64::from(BAR_COLOURS);
+        canvas.fill(&corners, colour(placed.bar.map, middle))?;
+    }
+    outline(canvas, rect)?;
+    let at = |value| rect.bottom - placed.interval.position(value) * rect.height();
+    let axis = &placed.bar.axis;
+    vertical_axis(canvas, axis, &placed.ticks, rect, Edge::Right, at)
+}
+
+fn frame_pen() -> Pen {
+    Pen::solid(BLACK, FRAME_STROKE)
+}
+
+fn outline(canvas: &mut Canvas, rect: Rect) -> Result<(), PlotError> {
+    let Rect { left, top, right, bottom } = rect;
+    // One corner more than the rectangle has, so that the first one is mitred too.
+    let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top), (right, top)];
+    canvas.stroke(&corners, frame_pen())
+}
+
+fn bottom_axis(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(), PlotError> {
+    let (axis, frame, ticks) = (&placed.panel.x, &placed.frame, &placed.x_ticks);
+    let rect = frame.rect;
+    for value in &ticks.minor {
+        let x = frame.x_at(*value);
+        let tick = [(x, rect.bottom), (x, rect.bottom + MINOR_TICK)];
+        canvas.stroke(&tick, frame_pen())?;
+    }
+    let below = rect.bottom + MAJOR_TICK + GAP;
+    // Superscripts rise above capitals: one common baseline for all labels of the axis.
+    let baseline = below + text_height(TICK_SIZE) * SCRIPT_ROOM;
+    for (value, label) in &ticks.major {
+        let x = frame.x_at(*value);
+        canvas.stroke(&[(x, rect.bottom), (x, rect.bottom + MAJOR_TICK)], frame_pen())?;
+        let line = canvas.fonts().line(label, TICK_SIZE)?;
+        canvas.text(&plain(&line, (x, baseline), Anchor::BOTTOM));
+    }
+    let line = canvas.fonts().line(&axis.label, AXIS_SIZE)?;
+    let below = below + text_height(TICK_SIZE) + GAP;
+    let baseline = below + text_height(AXIS_SIZE) * SCRIPT_ROOM;
+    canvas.text(&plain(&line, (rect.centre().0, baseline), Anchor::BOTTOM));
+    if let Some(note) = power_note(ticks) {
+        let line = canvas.fonts().line(&note, TICK_SIZE)?;
+        let anchor = Anchor { x: 1.0, y: 1.0 };
+        canvas.text(&plain(&line, (rect.right, baseline), anchor));
+    }
+    Ok(())
+}
+
+/// Share of a line's height that lies above its baseline.
+const SCRIPT_ROOM: f64 = 0.78;
+
+/// The side of the rectangle that carries a vertical axis.
+#[derive(Clone, Copy, PartialEq)]
+enum Edge {
+    Left,
+    Right,
+}
+
+fn vertical_axis(
+    canvas: &mut Canvas,
+    axis: &Axis,
+    ticks: &Ticks,
+    rect: Rect,
+    edge: Edge,
+    at: impl Fn(f64) -> f64,
+) -> Result<(), PlotError> {
+    let (x, outwards, anchor) = match edge {
+        Edge::Left => (rect.left, -1.0, Anchor::RIGHT),
+        Edge::Right => (rect.right, 1.0, Anchor::LEFT),
+    };
+    for value in &ticks.minor {
+        let y = at(*value);
+        canvas.stroke(&[(x, y), (x + outwards * MINOR_TICK, y)], frame_pen())?;
+    }
+    let beside = MAJOR_TICK + GAP;
+    let mut widest = 0.0_f64;
+    for (value, label) in &ticks.major {
+        let y = at(*value);
+        canvas.stroke(&[(x, y), (x + outwards * MAJOR_TICK, y)], frame_pen())?;
+        // Digits, not their superscripts, are centred on the tick.
+        let line = canvas.fonts().line(label, TICK_SIZE)?;
+        let digits = canvas.fonts().line("0", TICK_SIZE)?.ascent;
+        let anchor = Anchor { y: 1.0 - digits / 2.0 / line.ascent, ..anchor };
+        canvas.text(&plain(&line, (x + outwards * beside, y), anchor));
+        widest = widest.max(line.width);
+    }
+    if let Some(note) = power_note(ticks) {
+        let line = canvas.fonts().line(&note, TICK_SIZE)?;
+        let anchor = Anchor { x: 0.0, y: 1.0 };
+        canvas.text(&plain(&line, (rect.left, rect.top - GAP), anchor));
+    }
+    let line = canvas.fonts().line(&axis.label, AXIS_SIZE)?;
+    // Reading upwards, the baseline is on the right of the text.
+    let depth = text_height(AXIS_SIZE);
+    let baseline = match edge {
+        Edge::Left => x - beside - widest - GAP - depth * (1.0 - SCRIPT_ROOM),
+        Edge::Right => x + beside + widest + GAP + depth * SCRIPT_ROOM,
+    };
+    canvas.text(&Text { turn: UPWARDS, ..plain(&line, (baseline, rect.centre().1), Anchor::BOTTOM) });
+    Ok(())
+}
+
+/// Black text without halo.
+pub(super) fn plain(line: &Line, at: Point, anchor: Anchor) -> Text<'_> {
+    Text { line, at, anchor, turn: 0.0, colour: BLACK, halo: false }
+}
+
+/// The power of ten taken out of tick labels, as it is written at the end of an axis.
+fn power_note(ticks: &Ticks) -> Option<String> {
+    ticks.power.map(|power| format!("×{}", power_of_ten(power)))
+}

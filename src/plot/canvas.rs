@@ -1,0 +1,300 @@
+//! The page as SVG: shapes through plotters, text as glyphs of the built-in font.
+//!
+//! plotters writes whole numbers only, so the page is counted in hundredths of a millimetre, well
+//! below what a printer resolves; `width`, `height` and `viewBox` give it its size.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+use plotters::prelude::{DrawingBackend, RGBColor, SVGBackend, ShapeStyle};
+
+use super::error::PlotError;
+use super::font::{Fonts, Line, Piece};
+use super::geometry::{Point, Rect};
+use super::theme::{BLACK, Colour, HALO, PT, Shape, WHITE};
+
+/// Canvas units in a millimetre.
+const UNITS: f64 = 100.0;
+/// Family name of the built-in font; the PDF finds it by this.
+const FAMILY: &str = "DejaVu Sans";
+
+/// How text is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TextForm {
+    /// As glyph outlines: looks the same everywhere and needs no font.
+    Outlines,
+    /// As text in the built-in font, which the reader of the SVG must have.
+    Live,
+}
+
+/// A pen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pen {
+    pub(super) colour: Colour,
+    /// Width, pt.
+    pub(super) width: f64,
+    /// Lengths drawn and left out in turn, mm; empty for a solid line.
+    pub(super) dash: &'static [f64],
+}
+
+impl Pen {
+    pub(super) fn solid(colour: Colour, width: f64) -> Self {
+        Self { colour, width, dash: &[] }
+    }
+}
+
+/// Where a line of text stands relative to its anchor: shares of its width and height.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Anchor {
+    /// 0: anchor at the left end, 1: at the right end.
+    pub(super) x: f64,
+    /// 0: anchor at the top of capitals, 1: on the baseline.
+    pub(super) y: f64,
+}
+
+impl Anchor {
+    pub(super) const CENTRE: Self = Self { x: 0.5, y: 0.5 };
+    pub(super) const LEFT: Self = Self { x: 0.0, y: 0.5 };
+    pub(super) const RIGHT: Self = Self { x: 1.0, y: 0.5 };
+    pub(super) const BOTTOM: Self = Self { x: 0.5, y: 1.0 };
+}
+
+/// A line of text to be drawn.
+pub(super) struct Text<'a> {
+    pub(super) line: &'a Line,
+    pub(super) at: Point,
+    pub(super) anchor: Anchor,
+    /// Clockwise, degrees.
+    pub(super) turn: f64,
+    pub(super) colour: Colour,
+    /// Whether white around the letters keeps them apart from what is below.
+    pub(super) halo: bool,
+}
+
+/// A page being drawn.
+pub(super) struct Canvas<'f> {
+    fonts: &'f Fonts,
+    form: TextForm,
+    body: String,
+    /// Glyphs used, to be defined once.
+    glyphs: BTreeSet<char>,
+}
+
+/// A length on the canvas; pages are far smaller than the range of i32.
+fn units(millimetres: f64) -> i32 {
+    (millimetres * UNITS).round() as i32
+}
+
+fn spot(point: Point) -> (i32, i32) {
+    (units(point.0), units(point.1))
+}
+
+fn hex(colour: Colour) -> String {
+    format!("#{:02x}{:02x}{:02x}", colour.0, colour.1, colour.2)
+}
+
+impl<'f> Canvas<'f> {
+    pub(super) fn new(fonts: &'f Fonts, form: TextForm) -> Self {
+        Self { fonts, form, body: String::new(), glyphs: BTreeSet::new() }
+    }
+
+    pub(super) fn fonts(&self) -> &'f Fonts {
+        self.fonts
+    }
+
+    /// Lets plotters draw and keeps what it wrote between its `<svg>` tags.
+    fn shape<E: std::fmt::Display>(
+        &mut self,
+        draw: impl FnOnce(&mut SVGBackend) -> Result<(), E>,
+    ) -> Result<(), PlotError> {
+        let mut fragment = String::new();
+        {
+            let mut backend = SVGBackend::with_string(&mut fragment, (1, 1));
+            draw(&mut backend).map_err(|error| PlotError::Backend(error.to_string()))?;
+            let done = backend.present();
+            done.map_err(|error| PlotError::Backend(error.to_string()))?;
+        }
+        let lines = fragment.lines();
+        for line in lines.filter(|line| !line.starts_with("<svg") && !line.starts_with("</svg")) {
+            // Opaque is the default: leave it out to keep files small.
+            self.body.push_str(&line.replacen(" opacity=\"1\"", "", 1));
+            self.body.push('\n');
+        }
+        Ok(())
+    }
+
+    /// Draws a polyline.
+    pub(super) fn stroke(&mut self, line: &[Point], pen: Pen) -> Result<(), PlotError> {
+        let dashed = !pen.dash.is_empty();
+        if dashed {
+            let lengths: Vec<String> = pen.dash.iter().map(|d| units(*d).to_string()).collect();
+            let _ = writeln!(self.body, "<g stroke-dasharray=\"{}\">", lengths.join(","));
+        }
+        let style = style(pen.colour, pen.width);
+        self.shape(|backend| backend.draw_path(line.iter().copied().map(spot), &style))?;
+        if dashed {
+            self.body.push_str("</g>\n");
+        }
+        Ok(())
+    }
+
+    /// Fills a polygon.
+    pub(super) fn fill(&mut self, corners: &[Point], colour: Colour) -> Result<(), PlotError> {
+        let style = style(colour, 0.0).filled();
+        self.shape(|backend| backend.fill_polygon(corners.iter().copied().map(spot), &style))
+    }
+
+    /// Draws a marker of radius `radius` mm.
+    pub(super) fn marker(
+        &mut self,
+        centre: Point,
+        radius: f64,
+        (shape, filled): (Shape, bool),
+        pen: Pen,
+    ) -> Result<(), PlotError> {
+        let (line, inside) =
+            (style(pen.colour, pen.width), style(if filled { pen.colour } else { WHITE }, 0.0));
+        match shape {
+            Shape::Circle => {
+                let radius = units(radius).unsigned_abs();
+                self.shape(|b| b.draw_circle(spot(centre), radius, &inside.filled(), true))?;
+                self.shape(|b| b.draw_circle(spot(centre), radius, &line, false))
+            }
+            Shape::Polygon { corners, turn } => {
+                // A polygon looks as large as the circle of the same area, a little inside its own.
+                let reach = radius * if corners == 3 { 1.35 } else { 1.2 };
+                let mut ring: Vec<Point> = (0..corners)
+                    .map(|i| {
+                        let turns = turn / 360.0 + f64::from(i) / f64::from(corners);
+                        let (sin, cos) = (std::f64::consts::TAU * turns).sin_cos();
+                        (centre.0 + reach * cos, centre.1 - reach * sin)
+                    })
+                    .collect();
+                self.fill(&ring, if filled { pen.colour } else { WHITE })?;
+                ring.extend_from_within(..2);
+                self.stroke(&ring, pen)
+            }
+        }
+    }
+
+    /// Places a PNG image.
+    pub(super) fn image(&mut self, png: &[u8], place: Rect) {
+        let data = base64::engine::general_purpose::STANDARD.encode(png);
+        let (x, y) = spot((place.left, place.top));
+        let (width, height) = (units(place.width()), units(place.height()));
+        // Writing to a String cannot fail, here and below.
+        let _ = writeln!(
+            self.body,
+            "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+             preserveAspectRatio=\"none\" image-rendering=\"optimizeSpeed\" \
+             xlink:href=\"data:image/png;base64,{data}\"/>"
+        );
+    }
+
+    /// Writes a line of text.
+    pub(super) fn text(&mut self, text: &Text) {
+        let line = text.line;
+        let (x, y) = spot(text.at);
+        let _ = write!(self.body, "<g transform=\"translate({x} {y})");
+        if text.turn != 0.0 {
+            let _ = write!(self.body, " rotate({:.2})", text.turn);
+        }
+        let words: String = line.pieces.iter().map(|piece| piece.text.as_str()).collect();
+        let _ = writeln!(self.body, "\" aria-label=\"{}\">", escape(&words));
+        let start = (-text.anchor.x * line.width, (1.0 - text.anchor.y) * line.ascent);
+        if text.halo {
+            for piece in &line.pieces {
+                self.outlines(piece, start, WHITE, true);
+            }
+        }
+        for piece in &line.pieces {
+            match self.form {
+                TextForm::Outlines => self.outlines(piece, start, text.colour, false),
+                TextForm::Live => self.live(piece, start, text.colour),
+            }
+        }
+        self.body.push_str("</g>\n");
+    }
+
+    fn outlines(&mut self, piece: &Piece, start: Point, colour: Colour, halo: bool) {
+        let scale = piece.size * UNITS / self.fonts.units_per_em();
+        let (x, y) = spot((start.0 + piece.x, start.1 + piece.y));
+        let _ = write!(
+            self.body,
+            "<g transform=\"matrix({scale:.5} 0 {:.5} {scale:.5} {x} {y})\" fill=\"{}\"",
+            -piece.slant * scale,
+            hex(colour)
+        );
+        if halo {
+            let width = 2.0 * HALO * UNITS / scale;
+            let _ = write!(self.body, " stroke=\"#ffffff\" stroke-width=\"{width:.0}\"");
+        }
+        self.body.push('>');
+        let mut pen = 0.0;
+        for character in piece.text.chars() {
+            if !character.is_whitespace() {
+                self.glyphs.insert(character);
+                let id = glyph_id(character);
+                let _ = write!(self.body, "<use x=\"{pen}\" xlink:href=\"#{id}\"/>");
+            }
+            pen += self.fonts.advance(character);
+        }
+        self.body.push_str("</g>\n");
+    }
+
+    fn live(&mut self, piece: &Piece, start: Point, colour: Colour) {
+        let (x, y) = spot((start.0 + piece.x, start.1 + piece.y));
+        let _ = writeln!(
+            self.body,
+            "<text transform=\"matrix(1 0 {:.4} 1 {x} {y})\" font-family=\"{FAMILY}\" \
+             font-size=\"{:.2}\" font-kerning=\"none\" fill=\"{}\" xml:space=\"preserve\">{}</text>",
+            -piece.slant,
+            piece.size * UNITS,
+            hex(colour),
+            escape(&piece.text)
+        );
+    }
+
+    /// The finished SVG of a page `width` by `height` mm.
+    pub(super) fn finish(self, width: f64, height: f64) -> String {
+        let (w, h) = (units(width), units(height));
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
+             width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {w} {h}\">\n<defs>\n",
+            f64::from(w) / UNITS,
+            f64::from(h) / UNITS,
+        );
+        for &character in &self.glyphs {
+            if let Some(path) = self.fonts.outline(character) {
+                let id = glyph_id(character);
+                let _ = writeln!(svg, "<path id=\"{id}\" d=\"{path}\"/>");
+            }
+        }
+        let _ = write!(
+            svg,
+            "</defs>\n<rect width=\"{w}\" height=\"{h}\" fill=\"{}\"/>\n\
+             <g fill=\"{}\" stroke-linejoin=\"round\">\n{}</g>\n</svg>\n",
+            hex(WHITE),
+            hex(BLACK),
+            self.body
+        );
+        svg
+    }
+}
+
+fn style(colour: Colour, width: f64) -> ShapeStyle {
+    ShapeStyle {
+        color: RGBColor(colour.0, colour.1, colour.2).into(),
+        filled: false,
+        stroke_width: units(width * PT).unsigned_abs(),
+    }
+}
+
+fn glyph_id(character: char) -> String {
+    format!("u{:x}", u32::from(character))
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

@@ -1,0 +1,150 @@
+//! The charts of the tools, made of records only.
+
+use super::{At, Axis, ColourBar, ColourMap, Figure, Layer, Panel, Width, literal};
+use crate::record::StabilityRow;
+
+/// Label of the critical Courant number.
+const COURANT: &str = "critical Courant number *C*_{r}";
+const STIFFNESS: &str = "stiffness penalty β_{s}";
+const RATIO: &str = "penalty ratio *r*";
+
+/// C_r over beta_s, one panel a model and one curve a ratio, all on one scale of C_r. Points that could not be
+/// certified leave a gap; a curve r < 1 that cannot be told from r = 1 is left out.
+pub fn curves(models: &[Vec<StabilityRow>], log: bool) -> Figure {
+    let drawn = |rows: &Vec<StabilityRow>| {
+        let mut curves = curves_of(rows);
+        let optimal = curves.iter().find(|(ratio, _)| *ratio == 1.0).map(|(_, points)| points.clone());
+        curves.retain(|(ratio, points)| *ratio >= 1.0 || differs(points, optimal.as_deref()));
+        curves.iter_mut().for_each(|(_, points)| points.retain(|(beta_s, _)| !log || *beta_s > 0.0));
+        curves
+    };
+    let drawn: Vec<_> = models.iter().map(drawn).collect();
+    let values = drawn.iter().flatten().flat_map(|(_, points)| points.iter().map(|point| point.1));
+    let range = shared_range(values.filter(|c| c.is_finite()));
+    let panels = models.iter().zip(drawn).map(|(rows, curves)| {
+        let x = if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
+        let layer = |(ratio, points): (f64, Vec<(f64, f64)>)| {
+            Layer::curve(points, format!("*r* = {}", number(ratio)), style(ratio))
+        };
+        let y = Axis { range, ..Axis::linear(COURANT) };
+        Panel::new(x, y, curves.into_iter().map(layer).collect()).titled(title(rows))
+    });
+    figure(panels.collect())
+}
+
+/// The ratios of the paper keep their style in every chart; the others follow in turn.
+fn style(ratio: f64) -> usize {
+    const KNOWN: [f64; 7] = [1.0, 2.0, 3.0, 0.5, f64::INFINITY, 0.25, 10.0];
+    KNOWN.iter().position(|known| *known == ratio).unwrap_or(ratio.to_bits() as usize % KNOWN.len())
+}
+
+/// Whether two curves are more than the width of a line apart somewhere.
+fn differs(points: &[(f64, f64)], reference: Option<&[(f64, f64)]>) -> bool {
+    const LINE_WIDTH: f64 = 0.005;
+    let Some(reference) = reference else { return true };
+    points.iter().zip(reference).any(|(a, b)| (a.1 - b.1).abs() > LINE_WIDTH * b.1)
+}
+
+/// The range of all values with some air, so that panels can be compared; `None` if there is none.
+fn shared_range(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {
+    let (low, high) = (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max));
+    let air = 0.05 * (high - low);
+    (air > 0.0).then_some((low - air, high + air))
+}
+
+/// The rows of one model as curves (r, points), in their order.
+fn curves_of(rows: &[StabilityRow]) -> Vec<(f64, Vec<(f64, f64)>)> {
+    let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
+    for row in rows {
+        let point = (row.stiffness_penalty.0, row.critical_courant.map_or(f64::NAN, |c| c.0));
+        match curves.last_mut() {
+            Some((ratio, points)) if *ratio == row.ratio.0 => points.push(point),
+            _ => curves.push((row.ratio.0, vec![point])),
+        }
+    }
+    curves
+}
+
+/// The contact-free limit over gamma: computed points on the closed form sqrt((1+2g)/3) of (26).
+pub fn mass_family(models: &[Vec<StabilityRow>]) -> Figure {
+    let computed: Vec<(f64, f64)> =
+        models.iter().flatten().filter_map(|row| Some((row.gamma.0, row.critical_courant?.0))).collect();
+    let exact = |i: usize| {
+        let gamma = i as f64 / 100.0;
+        (gamma, ((1.0 + 2.0 * gamma) / 3.0).sqrt())
+    };
+    let layers = vec![
+        Layer::Exact { points: (0..=100).map(exact).collect(), label: Some("√((1 + 2γ)/3)".to_owned()) },
+        Layer::markers(computed, "computed", 0),
+    ];
+    let x = Axis::linear("mass matrix γ (0 consistent, 1 lumped)").over(0.0, 1.0);
+    figure(vec![Panel::new(x, Axis::linear(COURANT), layers).titled("contact-free limit")])
+}
+
+/// Levels worth a contour line: round values between the smallest C_r of the rows and just below the largest.
+pub fn levels(rows: &[StabilityRow]) -> Vec<f64> {
+    const ROUND: [f64; 9] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.2, 0.4, 0.8];
+    let values = || rows.iter().filter_map(|row| row.critical_courant).map(|c| c.0);
+    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+    ROUND.into_iter().filter(|level| *level > 1.1 * low && *level < 0.97 * high).collect()
+}
+
+/// Contour lines of one model: the level and the points (beta_s, r) of its line.
+pub type ContourLines = Vec<(f64, Vec<(f64, f64)>)>;
+
+/// C_r as colours over (beta_s, r), both logarithmic, with contour lines; one panel a model.
+pub fn map(models: &[Vec<StabilityRow>], contours: &[ContourLines]) -> Figure {
+    let panels = models.iter().zip(contours).map(|(rows, lines)| {
+        let curves = curves_of(rows);
+        let x: Vec<f64> =
+            curves.first().map_or_else(Vec::new, |(_, points)| points.iter().map(|(b, _)| *b).collect());
+        let cells = Layer::Cells {
+            x,
+            y: curves.iter().map(|(ratio, _)| *ratio).collect(),
+            values: curves.iter().flat_map(|(_, points)| points.iter().map(|(_, c)| *c)).collect(),
+        };
+        let contour = |(level, points): &(f64, Vec<(f64, f64)>)| Layer::Contour {
+            lines: vec![points.clone()],
+            label: Some(number(*level)),
+        };
+        let rule = Layer::Rule { at: At::Y(1.0), label: Some("*r* = 1".to_owned()) };
+        let layers = std::iter::once(cells).chain(lines.iter().map(contour)).chain([rule]);
+        Panel::new(Axis::log(STIFFNESS), Axis::log(RATIO), layers.collect()).titled(title(rows))
+    });
+    let mut figure = figure(panels.collect());
+    figure.colour_bar = Some(ColourBar { axis: Axis::log("*C*_{r}"), map: ColourMap::Viridis });
+    figure
+}
+
+/// One panel fits a column, more take the width of the page.
+fn figure(panels: Vec<Panel>) -> Figure {
+    let width = if panels.len() == 1 { Width::Single } else { Width::Double };
+    let mut figure = Figure::new(width, panels);
+    figure.columns = figure.columns.min(2);
+    figure
+}
+
+/// Scene, size and mass of the rows.
+fn title(rows: &[StabilityRow]) -> String {
+    let Some(row) = rows.first() else { return String::new() };
+    let plural = if row.elements == 1 { "" } else { "s" };
+    let mass = match row.mass.as_str() {
+        name @ ("lumped" | "averaged" | "consistent") => name.to_owned(),
+        gamma => format!("γ = {gamma}"),
+    };
+    // A long name is cut: the title must fit above a panel of half the page width.
+    const LONGEST_NAME: usize = 16;
+    let name = match (row.scene.as_str(), row.scene.char_indices().nth(LONGEST_NAME)) {
+        ("signorini", _) => "Signorini".to_owned(),
+        ("symmetric", _) => "symmetric contact".to_owned(),
+        ("hunek", _) => "Hunek".to_owned(),
+        (_, Some((cut, _))) => format!("{}…", &row.scene[..cut]),
+        _ => row.scene.clone(),
+    };
+    literal(&format!("{name}, {} element{plural}, {mass}", row.elements))
+}
+
+/// A number as a label: ∞, or plain.
+fn number(x: f64) -> String {
+    if x.is_infinite() { "∞".to_owned() } else { format!("{x}").replace('-', "−") }
+}

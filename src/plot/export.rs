@@ -1,0 +1,122 @@
+//! From a figure to the bytes of a file.
+
+use std::sync::Arc;
+
+use resvg::tiny_skia::{Color, Pixmap, Transform};
+use resvg::usvg::{Options, Tree, fontdb::Database};
+
+use super::canvas::TextForm;
+use super::error::PlotError;
+use super::model::Figure;
+use super::theme::PNG_DPI;
+
+/// CSS pixels per inch, the unit of usvg.
+const CSS_DPI: f32 = 96.0;
+
+impl Figure {
+    /// The figure as SVG with its printed size in mm. Text is drawn as glyph outlines, so it looks
+    /// the same in every viewer. Equal figures give equal bytes, here and in the other formats.
+    ///
+    /// # Errors
+    /// [`PlotError`] if a range, a label or a layer cannot be drawn.
+    pub fn svg(&self) -> Result<String, PlotError> {
+        self.draw(TextForm::Outlines)
+    }
+
+    /// The same drawing as PNG with 300 dots per inch.
+    ///
+    /// # Errors
+    /// As [`Figure::svg`], or [`PlotError::Png`].
+    pub fn png(&self) -> Result<Vec<u8>, PlotError> {
+        let tree = Tree::from_str(&self.svg()?, &Options::default())?;
+        let scale = PNG_DPI as f32 / CSS_DPI;
+        // At most a few thousand pixels: the casts only drop the fraction.
+        let pixels_of = |length: f32| (length * scale).round() as u32;
+        let (width, height) = (pixels_of(tree.size().width()), pixels_of(tree.size().height()));
+        let mut pixels =
+            Pixmap::new(width, height).ok_or_else(|| PlotError::Png("no pixels, or too many".to_owned()))?;
+        // The last row and column may be covered in part only.
+        pixels.fill(Color::WHITE);
+        resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
+        let png = encode(&pixels)?;
+        Ok(with_resolution(&png))
+    }
+
+    /// The same drawing as PDF of the printed size, with selectable text and the fonts embedded.
+    ///
+    /// # Errors
+    /// As [`Figure::svg`], or [`PlotError::Pdf`].
+    pub fn pdf(&self) -> Result<Vec<u8>, PlotError> {
+        let mut fonts = Database::new();
+        fonts.load_font_data(dejavu::sans::regular().to_vec());
+        let options = Options { fontdb: Arc::new(fonts), ..Options::default() };
+        let tree = svg2pdf::usvg::Tree::from_str(&self.draw(TextForm::Live)?, &options)?;
+        let page = svg2pdf::PageOptions { dpi: CSS_DPI };
+        let mut pdf = svg2pdf::to_pdf(&tree, svg2pdf::ConversionOptions::default(), page)
+            .map_err(|error| PlotError::Pdf(error.to_string()))?;
+        order_images(&mut pdf);
+        Ok(pdf)
+    }
+}
+
+/// Pixels as PNG.
+pub(super) fn encode(pixels: &Pixmap) -> Result<Vec<u8>, PlotError> {
+    pixels.encode_png().map_err(|error| PlotError::Png(error.to_string()))
+}
+
+/// Sorts the lists of images, which svg2pdf writes in the order of a hash table: equal figures shall
+/// give equal bytes. A list is as long after sorting as before, so no offset in the file changes.
+fn order_images(pdf: &mut [u8]) {
+    const OPEN: &[u8] = b"/XObject <<\n";
+    const CLOSE: &[u8] = b">>";
+    let find = |pdf: &[u8], from: usize, what: &[u8]| {
+        let found = pdf[from..].windows(what.len()).position(|bytes| bytes == what);
+        found.map(|offset| from + offset)
+    };
+    let mut from = 0;
+    while let Some(open) = find(pdf, from, OPEN) {
+        let start = open + OPEN.len();
+        let Some(end) = find(pdf, start, CLOSE) else {
+            return;
+        };
+        // The last piece is the indentation of the closing brackets: it stays where it is.
+        let mut lines: Vec<Vec<u8>> =
+            pdf[start..end].split_inclusive(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
+        if let Some((_, entries)) = lines.split_last_mut() {
+            entries.sort();
+        }
+        pdf[start..end].copy_from_slice(&lines.concat());
+        from = end;
+    }
+}
+
+/// The same PNG with a `pHYs` chunk, so that it is placed at its printed size.
+fn with_resolution(png: &[u8]) -> Vec<u8> {
+    /// End of the signature and the header chunk, which every PNG starts with.
+    const HEADER: usize = 33;
+    const METRE: f64 = 1000.0 / 25.4;
+    let per_metre = (PNG_DPI * METRE).round() as u32;
+    let mut chunk = b"pHYs".to_vec();
+    chunk.extend(per_metre.to_be_bytes());
+    chunk.extend(per_metre.to_be_bytes());
+    chunk.push(1); // the unit is the metre
+    let (head, tail) = png.split_at(HEADER.min(png.len()));
+    let mut result = head.to_vec();
+    result.extend(9_u32.to_be_bytes()); // bytes after the chunk's name
+    result.extend(&chunk);
+    result.extend(crc32(&chunk).to_be_bytes());
+    result.extend(tail);
+    result
+}
+
+/// Check sum of a PNG chunk (ISO 3309, reflected polynomial).
+fn crc32(bytes: &[u8]) -> u32 {
+    let fold = |mut sum: u32, byte: &u8| {
+        sum ^= u32::from(*byte);
+        for _ in 0..8 {
+            sum = (sum >> 1) ^ (0xEDB8_8320 & (sum & 1).wrapping_neg());
+        }
+        sum
+    };
+    !bytes.iter().fold(u32::MAX, fold)
+}

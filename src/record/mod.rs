@@ -1,0 +1,41 @@
+//! What a run leaves behind: typed rows, written as CSV or JSON, and where they come from.
+
+mod provenance;
+mod rows;
+
+pub use provenance::Provenance;
+pub use rows::{Number, OptimalRatioRow, StabilityRow};
+
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+
+/// Rows as CSV with a header line. Numbers read back to the same f64; infinity is `inf`, an unknown value empty.
+///
+/// # Errors
+/// Only if a row cannot be serialised, which no row of this crate does.
+pub fn csv<R: Serialize>(rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let failed = |error: &dyn std::fmt::Display| Error::Record(error.to_string());
+    for row in rows {
+        writer.serialize(row).map_err(|e| failed(&e))?;
+    }
+    writer.into_inner().map_err(|e| failed(&e))
+}
+
+/// Rows with their provenance as JSON: `{"provenance": .., "rows": [..]}`. Infinity is the string `"inf"`, an unknown
+/// value `null`.
+///
+/// # Errors
+/// As [`csv`].
+pub fn json<R: Serialize>(provenance: &Provenance, rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>> {
+    #[derive(Serialize)]
+    struct Document<'a, R> {
+        provenance: &'a Provenance,
+        rows: Vec<R>,
+    }
+    let document = Document { provenance, rows: rows.into_iter().collect() };
+    let mut text = serde_json::to_vec_pretty(&document).map_err(|e| Error::Record(e.to_string()))?;
+    text.push(b'\n');
+    Ok(text)
+}
