@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use bipenalty::cli::{
     Chart, Job, Limit, MapSummary, Output, OutputOptions, Progress, SceneOptions, Solved, Verdict, finish,
-    paper, print_summaries, single_point,
+    paper, point_answers, print_summaries,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::charts;
@@ -38,6 +38,9 @@ struct Options {
     #[command(flatten)]
     output: OutputOptions,
 }
+
+/// Up to this many points are answered in words.
+const FEW_POINTS: usize = 8;
 
 const EXAMPLES: &str = "Examples:
   stability-map                                     the charts of the paper, into figures/stability-map/
@@ -69,9 +72,8 @@ fn run(options: &Options) -> Result<Verdict> {
         if job.chart != Chart::MassFamily {
             summaries.extend(solved.iter().map(MapSummary::of));
         }
-        if job.points() == 1 {
-            answers
-                .extend(solved.iter().zip(&rows).filter_map(|(solved, rows)| single_point(solved, &rows[0])));
+        if job.points() <= FEW_POINTS && job.chart != Chart::MassFamily {
+            answers.extend(solved.iter().zip(&rows).flat_map(|(solved, rows)| point_answers(solved, rows)));
         }
         if output.to_stdout() {
             printed.extend(rows.concat());
@@ -83,7 +85,8 @@ fn run(options: &Options) -> Result<Verdict> {
         answers.iter().for_each(|answer| eprintln!("{answer}"));
         print_summaries(&summaries);
         if files > 0 {
-            eprintln!("{files} files in {}", output.directory().display());
+            let plural = if files == 1 { "" } else { "s" };
+            eprintln!("{files} file{plural} in {}", output.directory().display());
         }
     }
     let holds = summaries.iter().all(|summary| summary.holds);
@@ -114,7 +117,7 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         }
         jobs
     };
-    jobs.iter().try_for_each(|job| job.check_engine(options.engine))?;
+    jobs.iter().flat_map(|job| &job.models).try_for_each(|model| model.check_engine(options.engine))?;
     Ok(jobs)
 }
 

@@ -1,4 +1,44 @@
 //! Which time step is stable in explicit contact dynamics, and what does the contact penalty do to it?
+//!
+//! Elastic bars of linear finite elements touch through a *bi-penalty* contact: a stiffness penalty s z z' and a
+//! matching mass penalty m z z' on the gap z'u. The critical time step is 2/omega_max of
+//!
+//! ```text
+//! [K + K_p - omega^2 (M + M_p)] x = 0      K_p = s z z'      M_p = m z z'
+//! s = beta_s EA/h      m = s/(r omega_e^2)      omega_e^2 = 12/(1+2g) (c0/h)^2
+//! ```
+//! (Kolman, Kopacka, Gonzalez, Cho, Park, Math. Comput. Simulat. 189, 2021: "the paper").
+//!
+//! # A guided tour
+//! A [`scene`] says which bars there are; [`fem`] assembles it, with a mass matrix, into a [`pencil`]; [`penalty`]
+//! turns (beta_s, r) into s and m; an engine of [`spectrum`] encloses the largest eigenvalue; [`stability`] makes time
+//! steps and maps of it. [`record`] writes what came out.
+//!
+//! ```
+//! use bipenalty::fem::MassMatrix;
+//! use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
+//! use bipenalty::scene::load;
+//! use bipenalty::stability::{EngineName, Model};
+//!
+//! let scene = load("signorini")?.with_elements(200)?;
+//! let model = Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent);
+//! let penalties = model.penalties(StiffnessPenalty::new(10.0)?, Ratio::new(2.0)?);
+//! let l_max = model.engine(EngineName::Auto, None).enclose(&penalties, None)?;
+//! let step = model.critical_step(l_max);
+//! assert!((step.critical_courant - 0.7891948863055671).abs() < 1e-14);
+//! assert!(step.lower <= step.critical_courant && step.critical_courant <= step.upper);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Symbols
+//! | symbol | name in code | unit | meaning |
+//! |---|---|---|---|
+//! | beta_s, beta_m | `stiffness_penalty`, `mass_penalty` | 1 | dimensionless penalty parameters (23) |
+//! | r | `ratio` | 1 | penalty ratio (24) |
+//! | s, m | `stiffness`, `mass` of a penalty | N/m, kg | what multiplies z z' |
+//! | g | `gamma` of a mass matrix | 1 | 0 consistent .. 1 lumped |
+//! | omega, l | `omega_max`, `l` | rad/s, rad^2/s^2 | a frequency and its square, never one named as the other |
+//! | C, C_r | `relative_courant`, `critical_courant` | 1 | dt/dt_cr, c0 dt_cr/h |
 
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -12,3 +52,8 @@ pub mod record;
 pub mod scene;
 pub mod spectrum;
 pub mod stability;
+
+/// The examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -7,7 +7,7 @@ use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
 use crate::penalty::{PenaltyMass, Ratio};
 use crate::scene::Scene;
-use crate::spectrum::{Enclosure, MAX_DENSE_NODES, Uncertified};
+use crate::spectrum::{Enclosure, Uncertified};
 use crate::stability::{Axis, Curve, EngineName, Grid, Model, map};
 
 /// How the points of a job are drawn.
@@ -68,7 +68,7 @@ impl Job {
     pub fn new(stem: String, models: Vec<Model>, beta_s: Axis, ratio: Axis) -> Result<Self, Refusal> {
         let grid = Grid::new(&beta_s, &ratio)?;
         for model in &models {
-            check_corners(model, &grid)?;
+            model.check_grid(&grid)?;
         }
         let chart = match (grid.stiffness_penalties.len(), grid.ratios.len()) {
             (1, _) => Chart::None,
@@ -82,19 +82,6 @@ impl Job {
     /// Points of the job.
     pub fn points(&self) -> usize {
         self.grid.len() * self.models.len()
-    }
-
-    /// Refuses an engine that cannot do the job.
-    ///
-    /// # Errors
-    /// The dense engine beyond its largest size.
-    pub fn check_engine(&self, engine: EngineName) -> Result<(), Refusal> {
-        let nodes = self.models.iter().map(|model| model.scene().elements() + 1).max().unwrap_or(0);
-        if engine.is_dense() && nodes > MAX_DENSE_NODES {
-            let value = format!("{} with {nodes} nodes", engine.text());
-            return Err(Refusal::new("--engine", value, format!("at most {MAX_DENSE_NODES} nodes, or auto")));
-        }
-        Ok(())
     }
 
     /// Computes the maps of all models, certified.
@@ -139,16 +126,6 @@ impl Job {
     }
 }
 
-fn check_corners(model: &Model, grid: &Grid) -> Result<(), Refusal> {
-    let positive = grid.stiffness_penalties.iter().filter(|b| b.get() > 0.0);
-    let smallest = positive.clone().copied().reduce(|a, b| if b < a { b } else { a });
-    let largest = positive.copied().reduce(|a, b| if b > a { b } else { a });
-    for beta_s in [smallest, largest].into_iter().flatten() {
-        grid.ratios.iter().try_for_each(|ratio| model.check(beta_s, *ratio))?;
-    }
-    Ok(())
-}
-
 /// The figures of the paper, and the maps it leaves out: what `stability-map` does without a scene.
 ///
 /// # Errors
@@ -172,9 +149,10 @@ pub fn paper(
             jobs.push(Job::new(name("map"), models, log_beta.clone(), log_ratio.clone())?);
         }
     }
-    let hunek = scene("hunek", 50)?;
-    let models = masses.iter().map(|mass| Model::new(hunek.clone(), *mass, form)).collect();
-    jobs.push(Job::new("hunek".to_owned(), models, linear, ratios)?);
+    for mass in masses {
+        let model = Model::new(scene("hunek", 50)?, *mass, form);
+        jobs.push(Job::new(format!("hunek-{}", mass.name()), vec![model], linear.clone(), ratios.clone())?);
+    }
     Ok(jobs)
 }
 

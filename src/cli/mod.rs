@@ -13,7 +13,7 @@ pub use maps::{Chart, Job, Solved, paper};
 pub use options::{Format, Limit, OutputOptions, SceneOptions, StandardOutput};
 pub use output::Output;
 pub use progress::Progress;
-pub use summary::{MapSummary, print_summaries, print_table, single_point};
+pub use summary::{MapSummary, point_answers, print_summaries, print_table, tabulate_ratios};
 
 use std::process::ExitCode;
 

@@ -5,8 +5,8 @@ use comfy_table::{CellAlignment, Table};
 
 use super::Solved;
 use crate::penalty::{Ratio, reference_bar};
-use crate::record::StabilityRow;
-use crate::stability::{CriticalStep, Curve};
+use crate::record::{OptimalRatioRow, StabilityRow};
+use crate::stability::{CriticalStep, Curve, Point};
 
 /// What the summary says of one scene with one mass matrix, over all its maps.
 #[derive(Debug, Clone, PartialEq)]
@@ -143,6 +143,22 @@ pub fn print_summaries(summaries: &[MapSummary]) {
     print_table(&HEADER, merged.iter().map(MapSummary::cells));
 }
 
+/// Scene, elements, mass, what was found and whether it holds: the middle of a line on optimal ratios.
+pub fn tabulate_ratios(rows: &[OptimalRatioRow]) -> Vec<String> {
+    let Some(first) = rows.first() else { return Vec::new() };
+    let found = rows.iter().filter_map(|row| Some((row.optimal_ratio?.0, row.upper?.0 - row.lower?.0)));
+    let narrowest = found.clone().min_by(|a, b| a.1.total_cmp(&b.1));
+    let widest = found.max_by(|a, b| a.1.total_cmp(&b.1));
+    let text = match (narrowest, widest) {
+        (Some((ratio, narrow)), Some((_, wide))) => format!("{ratio:.12}, {narrow:.1e} to {wide:.1e}"),
+        _ => "no ratio costs a step".to_owned(),
+    };
+    let failing = rows.iter().find(|row| !row.holds);
+    let holds =
+        failing.map_or("yes".to_owned(), |row| format!("NO, at beta_s = {}", short(row.stiffness_penalty.0)));
+    vec![first.scene.clone(), first.elements.to_string(), first.mass.clone(), text, holds]
+}
+
 /// Prints a plain table on standard error, as wide as its content.
 pub fn print_table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
     let mut table = Table::new();
@@ -154,22 +170,25 @@ pub fn print_table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>)
     eprintln!("{}", table.trim_fmt());
 }
 
-/// The answer for a single point, in words.
-pub fn single_point(solved: &Solved, row: &StabilityRow) -> Option<String> {
-    let curve = solved.curves.iter().find(|curve| curve.ratio.get() == row.ratio.0)?;
-    let point = curve.points.iter().find(|p| p.stiffness_penalty.get() == row.stiffness_penalty.0)?;
-    let step = point.step.ok()?;
-    let pure = if curve.ratio == Ratio::PURE_PENALTY { " (pure penalty)" } else { "" };
-    Some(format!(
-        "{}, {} mass, beta_s = {}, r = {}{pure}: stable up to dt = {:e} s (C_r = {}, omega_max = {:e} rad/s)",
-        row.scene,
-        row.mass,
-        short(row.stiffness_penalty.0),
-        short(row.ratio.0),
-        solved.model.time_step(step.lower),
-        step.critical_courant,
-        step.omega_max,
-    ))
+/// The answer for each of a few points, in words.
+pub fn point_answers(solved: &Solved, rows: &[StabilityRow]) -> Vec<String> {
+    let points =
+        solved.curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve.ratio, point)));
+    let answer = |((ratio, point), row): ((Ratio, &Point), &StabilityRow)| {
+        let step = point.step.ok()?;
+        let pure = if ratio == Ratio::PURE_PENALTY { " (pure penalty)" } else { "" };
+        Some(format!(
+            "{}, {} mass, beta_s = {}, r = {}{pure}: stable up to dt = {:e} s (C_r = {}, omega_max = {:e} rad/s)",
+            row.scene,
+            row.mass,
+            short(row.stiffness_penalty.0),
+            short(row.ratio.0),
+            solved.model.time_step(step.lower),
+            step.critical_courant,
+            step.omega_max,
+        ))
+    };
+    points.zip(rows).filter_map(answer).collect()
 }
 
 /// A number as short as it can be written.

@@ -1,11 +1,11 @@
 //! The charts of the tools, made of records only.
 
-use super::{At, Axis, ColourBar, ColourMap, Figure, Layer, Panel, Width, literal};
-use crate::record::StabilityRow;
+use super::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Width, literal};
+use crate::record::{OptimalRatioRow, StabilityRow};
 
 /// Label of the critical Courant number.
 const COURANT: &str = "critical Courant number *C*_{r}";
-const STIFFNESS: &str = "stiffness penalty β_{s}";
+const STIFFNESS: &str = "stiffness penalty *β*_{s}";
 const RATIO: &str = "penalty ratio *r*";
 
 /// C_r over beta_s, one panel a model and one curve a ratio, all on one scale of C_r. Points that could not be
@@ -83,7 +83,7 @@ pub fn mass_family(models: &[Vec<StabilityRow>]) -> Figure {
 
 /// Levels worth a contour line: round values between the smallest C_r of the rows and just below the largest.
 pub fn levels(rows: &[StabilityRow]) -> Vec<f64> {
-    const ROUND: [f64; 9] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.2, 0.4, 0.8];
+    const ROUND: [f64; 10] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.2, 0.4, 0.8, 1.2];
     let values = || rows.iter().filter_map(|row| row.critical_courant).map(|c| c.0);
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
     ROUND.into_iter().filter(|level| *level > 1.1 * low && *level < 0.97 * high).collect()
@@ -116,6 +116,33 @@ pub fn map(models: &[Vec<StabilityRow>], contours: &[ContourLines]) -> Figure {
     figure
 }
 
+/// The optimal ratio over beta_s, one curve a mass matrix: its value beside the expected one, and how far the proven
+/// bounds lie from it.
+pub fn optimal_ratio(models: &[Vec<OptimalRatioRow>], expected: &[f64], log: bool) -> Figure {
+    let x = || if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
+    let (mut values, mut widths) = (Vec::new(), Vec::new());
+    for (style, (rows, expected)) in models.iter().zip(expected).enumerate() {
+        let found =
+            || rows.iter().filter_map(|row| Some((row.stiffness_penalty.0, row, row.optimal_ratio?.0)));
+        let name = rows.first().map_or(String::new(), |row| literal(&row.mass));
+        let width = |row: &OptimalRatioRow| Some(row.upper?.0 - row.lower?.0);
+        values.push(Layer::curve(found().map(|(b, _, r)| (b, r / expected)).collect(), &name, style));
+        widths.push(Layer::curve(
+            found().filter_map(|(b, row, _)| Some((b, width(row)?))).collect(),
+            name,
+            style,
+        ));
+    }
+    let scene = models.first().and_then(|rows| rows.first()).map_or("", |row| row.scene.as_str());
+    let y = Axis::linear("optimal *r* / expected *r*").over(0.9, 1.1);
+    let ratio = Panel::new(x(), y, values).titled(literal(&scene_name(scene)));
+    let width =
+        Panel::new(x(), Axis::log("width of the enclosure of *r*"), widths).titled("proven to within");
+    let mut figure = figure(vec![ratio, width]);
+    figure.naming = Naming::Legend;
+    figure
+}
+
 /// One panel fits a column, more take the width of the page.
 fn figure(panels: Vec<Panel>) -> Figure {
     let width = if panels.len() == 1 { Width::Single } else { Width::Double };
@@ -132,16 +159,20 @@ fn title(rows: &[StabilityRow]) -> String {
         name @ ("lumped" | "averaged" | "consistent") => name.to_owned(),
         gamma => format!("γ = {gamma}"),
     };
-    // A long name is cut: the title must fit above a panel of half the page width.
+    let name = scene_name(&row.scene);
+    literal(&format!("{name}, {} element{plural}, {mass}", row.elements))
+}
+
+/// The built-in scenes by the names of the paper. A long name is cut: the title must fit above half a page.
+fn scene_name(scene: &str) -> String {
     const LONGEST_NAME: usize = 16;
-    let name = match (row.scene.as_str(), row.scene.char_indices().nth(LONGEST_NAME)) {
+    match (scene, scene.char_indices().nth(LONGEST_NAME)) {
         ("signorini", _) => "Signorini".to_owned(),
         ("symmetric", _) => "symmetric contact".to_owned(),
         ("hunek", _) => "Hunek".to_owned(),
-        (_, Some((cut, _))) => format!("{}…", &row.scene[..cut]),
-        _ => row.scene.clone(),
-    };
-    literal(&format!("{name}, {} element{plural}, {mass}", row.elements))
+        (_, Some((cut, _))) => format!("{}…", &scene[..cut]),
+        _ => scene.to_owned(),
+    }
 }
 
 /// A number as a label: ∞, or plain.

@@ -88,6 +88,16 @@ impl UniformBar {
         }
     }
 
+    /// l_max of the bar alone, rad^2/s^2: omega_e^2 with two free ends; with fixed ends the n theta = i phi at which
+    /// its last pivot vanishes, pi/2 (one) or pi (both).
+    pub fn top_eigenvalue(&self) -> f64 {
+        let held = f64::from(u8::from(self.left_fixed)) + f64::from(u8::from(self.right_fixed));
+        // sin^2(phi/2) = v/(1 + slope (1 - v)) solved for v = -y.
+        let sin2 = (0.25 * std::f64::consts::PI * held / self.elements).sin().powi(2);
+        let v = sin2 * (1.0 + self.slope) / (1.0 + self.slope * sin2);
+        self.eigenvalue * (1.0 - v)
+    }
+
     /// A bound of e' M^-1 e at an end node: M exceeds the mass of the end element alone.
     fn compliance_bound(&self, mass: MassMatrix) -> f64 {
         let (diagonal, off) = mass.entries();

@@ -13,4 +13,4 @@ pub use contour::contour;
 pub use grid::{Axis, Grid};
 pub use map::{Curve, Point, map};
 pub use model::{CriticalStep, EngineName, Model};
-pub use optimal_ratio::{Expectation, OptimalRatio, check_has_contact, optimal_ratio};
+pub use optimal_ratio::{Expectation, OptimalRatio, check_has_contact, governing_bar, optimal_ratio};

@@ -2,13 +2,13 @@
 
 use std::str::FromStr;
 
-use super::ClosedForm;
+use super::{ClosedForm, Grid};
 use crate::error::Refusal;
 use crate::fem::{MassMatrix, assemble};
 use crate::penalty::{ContactScale, PenaltyMass, Ratio, StiffnessPenalty, reference_bar};
 use crate::pencil::{Penalty, Pencil};
 use crate::scene::Scene;
-use crate::spectrum::{Dense, Enclosure, Engine, Secular, Sturm};
+use crate::spectrum::{Dense, Enclosure, Engine, MAX_DENSE_NODES, Secular, Sturm};
 
 /// The engines by the names that users type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -138,12 +138,33 @@ impl Model {
         self.scales.iter().map(|scale| scale.penalty(beta_s, ratio, self.form)).collect()
     }
 
-    /// Refuses penalties that f64 cannot hold.
+    /// Refuses a grid whose penalties f64 cannot hold; s and m are monotone, so its corners tell.
     ///
     /// # Errors
     /// See [`ContactScale::check`].
-    pub fn check(&self, beta_s: StiffnessPenalty, ratio: Ratio) -> Result<(), Refusal> {
-        self.scales.iter().try_for_each(|scale| scale.check(beta_s, ratio))
+    pub fn check_grid(&self, grid: &Grid) -> Result<(), Refusal> {
+        let positive = || grid.stiffness_penalties.iter().filter(|b| b.get() > 0.0).copied();
+        let smallest = positive().reduce(|a, b| if b < a { b } else { a });
+        let largest = positive().reduce(|a, b| if b > a { b } else { a });
+        for beta_s in [smallest, largest].into_iter().flatten() {
+            for ratio in &grid.ratios {
+                self.scales.iter().try_for_each(|scale| scale.check(beta_s, *ratio))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses an engine that cannot hold the scene.
+    ///
+    /// # Errors
+    /// The dense engines beyond [`MAX_DENSE_NODES`].
+    pub fn check_engine(&self, engine: EngineName) -> Result<(), Refusal> {
+        let nodes = self.scene.elements() + self.scene.bars().len();
+        if engine.is_dense() && nodes > MAX_DENSE_NODES {
+            let value = format!("{} with {nodes} nodes", engine.text());
+            return Err(Refusal::new("--engine", value, format!("at most {MAX_DENSE_NODES} nodes, or auto")));
+        }
+        Ok(())
     }
 
     /// The engine called `name`. Engines that work on the pencil need it; without one, the closed form serves.

@@ -4,9 +4,10 @@
 //! any mesh, so every r <= r* = l_max(K, M)/omega_e^2 is free of cost, for every beta_s. When the top mode moves a
 //! gap of the stiffest contact, a larger r costs a step at once: r* is the optimum, 1 for a bar with free ends.
 
-use super::Model;
+use super::{Model, UniformBar};
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
+use crate::scene::{Bar, End};
 use crate::spectrum::{Enclosure, Engine, Uncertified, bisect};
 
 /// The optimal ratio at one beta_s.
@@ -97,6 +98,25 @@ fn value_between(
         _ => true,
     };
     bisect(lower, upper, exceeds).0
+}
+
+/// Which bar has the highest contact-free frequency, and so governs r*, and which bar scales the penalty mass.
+pub fn governing_bar(model: &Model) -> String {
+    let (scene, mass) = (model.scene(), model.mass());
+    let last = scene.bars().len() - 1;
+    let fixed = |i: usize| (i == 0 && scene.left() == End::Fixed, i == last && scene.right() == End::Fixed);
+    let top = |(i, bar): (usize, &Bar)| UniformBar::new(bar, mass, fixed(i).0, fixed(i).1).top_eigenvalue();
+    let tops: Vec<f64> = scene.bars().iter().enumerate().map(top).collect();
+    let highest = tops.iter().copied().fold(0.0, f64::max);
+    // Frequencies that agree to rounding govern together.
+    let governs = |top: &f64| *top >= highest * (1.0 - 16.0 * f64::EPSILON);
+    let bars: Vec<String> =
+        tops.iter().enumerate().filter(|(_, top)| governs(top)).map(|(i, _)| (i + 1).to_string()).collect();
+    match bars.len() {
+        n if n == scene.bars().len() && n > 1 => "all bars alike".to_owned(),
+        1 => format!("the elements of bar {}", bars[0]),
+        _ => format!("the elements of bars {}", bars.join(" and ")),
+    }
 }
 
 /// Refuses a scene without a contact: it has no ratio to optimise.
