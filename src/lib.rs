@@ -2,8 +2,11 @@
 
 pub mod error;
 pub mod fem;
+pub mod impact;
 pub mod pencil;
 pub mod penalty;
 pub mod scene;
+pub mod schemes;
 pub mod spectrum;
 pub mod stability;
+pub mod verify;
