@@ -214,6 +214,13 @@ impl Exact {
         self.piece(t).map_or(0.0, |piece| piece.force.at(t - piece.start))
     }
 
+    /// The contact force just before time t, N: differs from [`Exact::force`] where it jumps.
+    pub fn force_before(&self, t: f64) -> f64 {
+        let earlier = t - self.resolution();
+        let last = self.pieces.partition_point(|piece| piece.start < earlier).checked_sub(1);
+        last.map_or(0.0, |i| self.pieces[i].force.at(t - self.pieces[i].start))
+    }
+
     /// The largest contact force, N.
     pub fn peak_force(&self) -> f64 {
         let ends = self.pieces.iter().skip(1).map(|piece| piece.start).chain([self.duration]);

@@ -2,12 +2,14 @@
 
 use super::{Exact, History, Run};
 use crate::scene::ContactSite;
+use crate::schemes::{ContactSearch, Scheme};
 
 /// What the summary table shows of a run; `None` where there is no exact solution or nothing to divide by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {
     /// rms of force minus exact force over the rows, over the peak exact force. Sampled once a step if the recording
-    /// has a row for every step.
+    /// has a row for every step. Where the exact force jumps, central differences, whose force belongs to the step that
+    /// begins, are compared with its later value, the other schemes with the earlier one.
     pub force_error: Option<f64>,
     /// Median of g/h over the middle half of the first exact contact interval.
     pub steady_relative_gap: Option<f64>,
@@ -24,7 +26,7 @@ impl Summary {
         let exact = Exact::of(run.model().scene(), run.duration());
         let exact = exact.as_ref();
         Self {
-            force_error: exact.and_then(|exact| force_error(exact, history)),
+            force_error: exact.and_then(|exact| force_error(run.scheme(), exact, history)),
             steady_relative_gap: exact.and_then(|exact| steady_gap(exact, history)),
             energy_ratio: energy_ratio(run, history),
             switches: history.switches,
@@ -32,8 +34,12 @@ impl Summary {
     }
 }
 
-fn force_error(exact: &Exact, history: &History) -> Option<f64> {
-    let errors = history.time.iter().zip(history.forces(0)).map(|(t, force)| force - exact.force(*t));
+fn force_error(scheme: Scheme, exact: &Exact, history: &History) -> Option<f64> {
+    let expected = |t: f64| match scheme.facts().search {
+        ContactSearch::StartOfStep => exact.force(t),
+        ContactSearch::Predictor => exact.force_before(t),
+    };
+    let errors = history.time.iter().zip(history.forces(0)).map(|(t, force)| force - expected(*t));
     let mean = errors.map(|e| e * e).sum::<f64>() / history.time.len() as f64;
     let peak = exact.peak_force();
     (peak > 0.0).then(|| mean.sqrt() / peak)

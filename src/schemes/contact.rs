@@ -6,8 +6,7 @@
 //! ```text
 //! (I + m mu) lambda = s g + m p        (I + mu m) Z'a = p - mu s g        p = Z'M^-1 (f - K u)
 //! ```
-//! Both are sums of like terms. The textbook form lambda = s g + m Z'a subtracts numbers of size beta_s, and so does
-//! Z'a = p - mu lambda. Contacts couple through the bar between them unless M is diagonal: mu is then tridiagonal.
+//! The textbook form lambda = s g + m Z'a subtracts numbers of size beta_s, and so does Z'a = p - mu lambda. Contacts couple through the bar between them unless M is diagonal: mu is then tridiagonal.
 
 use super::twisted::Twisted;
 use crate::error::Refusal;
@@ -155,19 +154,15 @@ impl Contacts {
         self.solve(row, lambda);
     }
 
-    /// Z'a of every contact: (I + mu m) Z'a = p - mu s g over the closed ones, m/s^2. `p` and the answer may carry a
-    /// common factor, which is then to be given as `factor` too.
-    pub(super) fn gap_rates(&mut self, closed: &[bool], gap: &[f64], p: &[f64], factor: f64, rate: &mut [f64]) {
-        for (j, contact) in self.list.iter().enumerate() {
-            rate[j] = if closed[j] { contact.penalty.stiffness * gap[j] } else { 0.0 };
-        }
+    /// x <- (I + mu m)^-1 (x + mu y), where m and y belong to the closed contacts; y is 0 for the others.
+    pub(super) fn relax(&mut self, closed: &[bool], y: &[f64], x: &mut [f64]) {
         for j in 0..self.list.len() {
-            self.scratch.right_side[j] = p[j] - factor * self.mu_times(j, rate);
+            self.scratch.right_side[j] = x[j] + self.mu_times(j, y);
         }
         let row = |this: &Self, j: usize, i: usize| {
             if closed[i] { this.mu(j, i) * this.list[i].penalty.mass } else { 0.0 }
         };
-        self.solve(row, rate);
+        self.solve(row, x);
     }
 
     fn mu(&self, j: usize, i: usize) -> f64 {

@@ -41,11 +41,9 @@ impl Stepper {
         let [before, predicted_velocity] = &self.contact_scratch;
         for (j, contact) in self.contacts.list.iter().enumerate() {
             let relief = self.contacts.mu_times(j, &state.force);
-            let (s, m) = (contact.penalty.stiffness, contact.penalty.mass);
-            let mu = self.contacts.compliance(j);
             let plain_velocity = predicted_velocity[j] - dt * relief;
-            if state.closed[j] && 2.0 * dt * dt * s * mu > 1.0 + m * mu {
-                state.gap[j] = (state.force[j] + self.relief[j] * relief) / s;
+            if state.closed[j] && self.delicate[j] {
+                state.gap[j] = (state.force[j] + self.relief[j] * relief) / contact.penalty.stiffness;
                 state.gap_velocity[j] = (state.gap[j] - before[j]) / dt;
             } else {
                 state.gap[j] = before[j] + dt * plain_velocity;

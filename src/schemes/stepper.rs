@@ -67,6 +67,10 @@ pub struct State {
     pub(super) gap_velocity: Vec<f64>,
     /// Z' of `rate`.
     pub(super) gap_rate: Vec<f64>,
+    /// Z' of the contact-free dt a, m/s; central differences only.
+    pub(super) free_kick: Vec<f64>,
+    /// g one step ago, m; central differences only.
+    pub(super) previous_gap: Vec<f64>,
     /// g after the last step minus g before it, m.
     pub(super) last_gap_change: Vec<f64>,
     /// lambda, N, positive in compression.
@@ -165,8 +169,11 @@ pub struct Stepper {
     pub(super) scratch: [Vec<f64>; 2],
     /// k entries each.
     pub(super) contact_scratch: [Vec<f64>; 2],
+    pub(super) gap_scratch: [Vec<f64>; 2],
     /// m - dt^2 s of each contact, kg.
     pub(super) relief: Vec<f64>,
+    /// Whether 1/2 < q <= 1, q = dt^2 s mu/(1 + m mu), of each contact: sums of gap and gap rate would cancel.
+    pub(super) delicate: Vec<bool>,
     /// u and v of contact nodes after the step: node, displacement, velocity.
     pub(super) touched: Vec<(usize, f64, f64)>,
 }
@@ -194,14 +201,22 @@ impl Stepper {
         let scale = if scheme == Scheme::Park { 1.0 } else { time_step };
         let k = contacts.len();
         let relief = |c: &Contact| predictor_corrector::difference(c.penalty.mass, time_step, c.penalty.stiffness);
+        let relief: Vec<f64> = contacts.iter().map(relief).collect();
+        let contacts = Contacts::new(pencil, contacts)?;
+        let delicate = |(j, contact): (usize, &Contact)| {
+            let mu = contacts.compliance(j);
+            let kept = (1.0 + mu * relief[j]) / (1.0 + mu * contact.penalty.mass);
+            (0.0..0.5).contains(&kept)
+        };
         Ok(Self {
-            relief: contacts.iter().map(relief).collect(),
+            delicate: contacts.list.iter().enumerate().map(delicate).collect(),
+            relief,
             touched: Vec::with_capacity(2 * k),
             scheme,
             dt: time_step,
             rule,
             operator: Operator::new(pencil, &load, scale),
-            contacts: Contacts::new(pencil, contacts)?,
+            contacts,
             pullback: Pullback::new(park, time_step),
             account,
             load,
@@ -209,6 +224,7 @@ impl Stepper {
             mass: pencil.mass().clone(),
             scratch: [vec![0.0; n], vec![0.0; n]],
             contact_scratch: [vec![0.0; k], vec![0.0; k]],
+            gap_scratch: [vec![0.0; k], vec![0.0; k]],
         })
     }
 
@@ -243,6 +259,8 @@ impl Stepper {
             gap,
             gap_velocity,
             gap_rate: vec![0.0; k],
+            free_kick: vec![0.0; k],
+            previous_gap: vec![0.0; k],
             last_gap_change,
             force: vec![0.0; k],
             closed: vec![false; k],
