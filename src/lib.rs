@@ -44,14 +44,17 @@
 pub mod cli;
 pub mod error;
 pub mod fem;
-pub mod penalty;
+pub mod impact;
 pub mod pencil;
+pub mod penalty;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod record;
 pub mod scene;
+pub mod schemes;
 pub mod spectrum;
 pub mod stability;
+pub mod verify;
 
 /// The examples of the README, as tests.
 #[cfg(doctest)]

@@ -4,10 +4,11 @@ use super::{Scene, file};
 use crate::error::Result;
 
 /// Name and TOML text of every built-in scene.
-pub const BUILT_IN: [(&str, &str); 3] = [
+pub const BUILT_IN: [(&str, &str); 4] = [
     ("signorini", include_str!("../../analyses/scenes/signorini.toml")),
     ("symmetric", include_str!("../../analyses/scenes/symmetric.toml")),
     ("hunek", include_str!("../../analyses/scenes/hunek.toml")),
+    ("bouncing-bar", include_str!("../../analyses/scenes/bouncing-bar.toml")),
 ];
 
 /// The built-in scene of this name, or `None`.

@@ -1,0 +1,314 @@
+//! One contact-impact run: a model, penalties, a scheme and a step.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::{Ending, History, Mesh, Recording, StressField};
+use crate::error::Refusal;
+use crate::penalty::{Ratio, StiffnessPenalty};
+use crate::pencil::Penalty;
+use crate::schemes::{ContactRule, Park, Scheme, Setup, State, Stepper};
+use crate::stability::{EngineName, Model};
+
+/// More steps than this are refused: years of computing.
+pub const MAX_STEPS: f64 = 1e9;
+
+/// The stop flag is looked at, and progress told, every so many steps.
+const STEPS_BETWEEN_CHECKS: u64 = 4096;
+
+/// The velocities are looked at every so many steps.
+const STEPS_BETWEEN_LOOKS: u64 = 64;
+
+/// A velocity above the reference speed (largest initial speed, plus what the body force adds over the run) by this
+/// factor counts as blown up.
+const BLOW_UP: f64 = 1e6;
+
+/// Who wants to know how far a run is, and may stop it.
+pub struct Progress<'a> {
+    /// Set from elsewhere to stop the run; what is finished is kept.
+    pub stop: &'a AtomicBool,
+    /// Called now and then with the steps done and the steps to do.
+    pub report: &'a mut dyn FnMut(u64, u64),
+}
+
+/// A run that has passed its checks.
+#[derive(Debug, Clone)]
+pub struct Run {
+    model: Model,
+    penalties: Vec<Penalty>,
+    scheme: Scheme,
+    rule: ContactRule,
+    theta: f64,
+    critical_step: f64,
+    duration: f64,
+    relative_courant: f64,
+}
+
+impl Run {
+    /// C = dt/dt_cr where nothing else is said.
+    pub const RELATIVE_COURANT: f64 = 0.5;
+
+    /// theta of the Park scheme where nothing else is said.
+    pub const THETA: f64 = 0.5;
+
+    /// The run of `model` with (beta_s, r) at C = 1/2 and theta = 1/2 over the duration of its scene.
+    ///
+    /// # Errors
+    /// Refuses penalties that f64 cannot hold, a scene without `[impact]`, and more than [`MAX_STEPS`] steps.
+    pub fn new(
+        model: Model,
+        scheme: Scheme,
+        beta_s: StiffnessPenalty,
+        ratio: Ratio,
+    ) -> Result<Self, Refusal> {
+        model.check(beta_s, ratio)?;
+        let Some(impact) = model.scene().impact() else {
+            let place = format!("scene {}, impact", model.scene().name());
+            return Err(Refusal::new(place, "no [impact]", "a duration (s), which time stepping needs"));
+        };
+        let run = Self {
+            duration: impact.duration,
+            penalties: model.penalties(beta_s, ratio),
+            critical_step: contact_free_step(&model),
+            rule: ContactRule::Unilateral,
+            theta: Self::THETA,
+            relative_courant: Self::RELATIVE_COURANT,
+            scheme,
+            model,
+        };
+        run.checked()
+    }
+
+    /// The same run with dt = C dt_cr, dt_cr of the contact-free scene.
+    ///
+    /// # Errors
+    /// Refuses a C that is not positive and finite, and more than [`MAX_STEPS`] steps.
+    pub fn with_relative_courant(self, relative_courant: f64) -> Result<Self, Refusal> {
+        Self { relative_courant, ..self }.checked()
+    }
+
+    /// The same run with this theta of the Park scheme.
+    ///
+    /// # Errors
+    /// Refuses a theta outside [0, 1].
+    pub fn with_theta(self, theta: f64) -> Result<Self, Refusal> {
+        Self { theta, ..self }.checked()
+    }
+
+    /// The same run over another duration, s.
+    ///
+    /// # Errors
+    /// Refuses a duration that is not positive and finite, and more than [`MAX_STEPS`] steps.
+    pub fn with_duration(self, duration: f64) -> Result<Self, Refusal> {
+        Self { duration, ..self }.checked()
+    }
+
+    /// The same run with contacts held open or closed.
+    pub fn with_rule(self, rule: ContactRule) -> Self {
+        Self { rule, ..self }
+    }
+
+    fn checked(self) -> Result<Self, Refusal> {
+        let positive = |place: &str, value: f64, unit: &str| {
+            let held = value > 0.0 && value.is_finite();
+            let refusal = || Refusal::new(place, value, format!("a positive finite number{unit}"));
+            held.then_some(()).ok_or_else(refusal)
+        };
+        positive("relative Courant number", self.relative_courant, "")?;
+        positive("duration", self.duration, " (s)")?;
+        positive("time step", self.time_step(), " (s)")?;
+        if !(0.0..=1.0).contains(&self.theta) {
+            return Err(Refusal::new("theta", self.theta, "a number in [0, 1]"));
+        }
+        let steps = self.duration / self.time_step();
+        if steps > MAX_STEPS {
+            let value = format!("{:e}, which makes {steps:.3e} steps of {:e} s", self.duration, self.time_step());
+            return Err(Refusal::new("duration", value, format!("at most {MAX_STEPS:e} steps")));
+        }
+        Ok(self)
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The scheme.
+    pub fn scheme(&self) -> Scheme {
+        self.scheme
+    }
+
+    /// C = dt/dt_cr.
+    pub fn relative_courant(&self) -> f64 {
+        self.relative_courant
+    }
+
+    /// T, s.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// dt, s.
+    pub fn time_step(&self) -> f64 {
+        self.relative_courant * self.critical_step
+    }
+
+    /// dt_cr = 2/omega_max of the contact-free scene, s.
+    pub fn critical_step(&self) -> f64 {
+        self.critical_step
+    }
+
+    /// Steps until the duration is reached or, if it is no multiple of dt, passed. The quotient carries the rounding
+    /// of dt, which must not add a step.
+    pub fn steps(&self) -> u64 {
+        let quotient = self.duration / self.time_step();
+        (quotient * (1.0 - 8.0 * f64::EPSILON)).ceil().max(1.0) as u64
+    }
+
+    /// The stepper and the state at time 0.
+    ///
+    /// # Errors
+    /// Refuses the diagonalised mass penalty.
+    pub fn prepare(&self, account: bool) -> Result<(Stepper, State), Refusal> {
+        let mesh = Mesh::new(self.model.scene());
+        let pencil = self.model.pencil();
+        let mut stepper = Stepper::new(Setup {
+            contacts: mesh.contacts(&pencil, &self.penalties),
+            pencil: &pencil,
+            load: mesh.load(),
+            scheme: self.scheme,
+            time_step: self.time_step(),
+            rule: self.rule,
+            park: Park { theta: self.theta, critical_step: self.critical_step },
+            account,
+        })?;
+        let state = stepper.start(vec![0.0; mesh.nodes()], mesh.velocity());
+        Ok((stepper, state))
+    }
+
+    /// Steps through the run. A run that blows up or is stopped returns what it has, and says so.
+    ///
+    /// # Errors
+    /// As [`Run::prepare`]; refuses a recording every 0 steps.
+    pub fn execute(&self, recording: &Recording, progress: Option<Progress>) -> Result<History, Refusal> {
+        if recording.every == 0 {
+            return Err(Refusal::new("steps between records", 0, "at least 1"));
+        }
+        let (mut stepper, mut state) = self.prepare(recording.energies)?;
+        let mut recorder = Recorder::new(self, recording);
+        let ending = self.advance(&mut stepper, &mut state, &mut recorder, progress);
+        let last = stepper.energy(&mut state);
+        let mut history = recorder.history;
+        history.first_and_last[1] = last;
+        history.switches = state.switches();
+        history.steps = state.steps();
+        history.ending = ending;
+        Ok(history)
+    }
+
+    fn advance(
+        &self,
+        stepper: &mut Stepper,
+        state: &mut State,
+        recorder: &mut Recorder,
+        mut progress: Option<Progress>,
+    ) -> Ending {
+        let (steps, dt) = (self.steps(), self.time_step());
+        let bound = BLOW_UP * self.reference_speed(state);
+        recorder.history.first_and_last[0] = stepper.energy(state);
+        for step in 0..=steps {
+            let time = step as f64 * dt;
+            if step % STEPS_BETWEEN_LOOKS == 0 && !within(state.stored_velocity(), bound) {
+                return Ending::BlewUp { step, time };
+            }
+            if let Some(Progress { stop, report }) = &mut progress
+                && step % STEPS_BETWEEN_CHECKS == 0
+            {
+                report(step, steps);
+                if stop.load(Ordering::Relaxed) {
+                    return Ending::Stopped { step, time };
+                }
+            }
+            recorder.note(step, step == steps, stepper, state);
+            if step < steps {
+                stepper.step(state);
+            }
+        }
+        if within(state.stored_velocity(), bound) {
+            Ending::Finished
+        } else {
+            Ending::BlewUp { step: steps, time: steps as f64 * dt }
+        }
+    }
+
+    /// The largest initial speed plus the body force over the whole run, m/s; infinite where there is neither.
+    fn reference_speed(&self, state: &State) -> f64 {
+        let initial = state.stored_velocity().iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+        let gravity = self.model.scene().impact().map_or(0.0, |impact| impact.gravity.abs());
+        let speed = initial + gravity * self.duration;
+        if speed > 0.0 { speed } else { f64::MAX / BLOW_UP }
+    }
+}
+
+fn within(velocity: &[f64], bound: f64) -> bool {
+    velocity.iter().all(|v| v.abs() <= bound)
+}
+
+/// dt_cr = 2/omega_max without contacts, s.
+pub(crate) fn contact_free_step(model: &Model) -> f64 {
+    let open = vec![Penalty::default(); model.scales().len()];
+    let pencil = model.pencil();
+    2.0 / model.engine(EngineName::Auto, &pencil).estimate(&open, None).sqrt()
+}
+
+/// Writes rows while a run goes on.
+struct Recorder<'a> {
+    recording: &'a Recording,
+    mesh: Mesh,
+    lengths: Vec<f64>,
+    /// Steps at which the stress is taken, in order.
+    stress_steps: Vec<u64>,
+    dt: f64,
+    history: History,
+}
+
+impl<'a> Recorder<'a> {
+    fn new(run: &Run, recording: &'a Recording) -> Self {
+        let mesh = Mesh::new(run.model.scene());
+        let nearest = |time: &f64| (time / run.time_step()).round().clamp(0.0, run.steps() as f64) as u64;
+        let mut stress_steps: Vec<u64> = recording.stress_times.iter().map(nearest).collect();
+        stress_steps.sort_unstable();
+        let history = History {
+            contacts: run.penalties.len(),
+            time: Vec::new(),
+            force: Vec::new(),
+            relative_gap: Vec::new(),
+            energy: Vec::new(),
+            stress: Vec::new(),
+            first_and_last: Default::default(),
+            switches: 0,
+            steps: 0,
+            ending: Ending::Finished,
+        };
+        let lengths = mesh.contact_lengths(run.model.mass());
+        Self { recording, mesh, lengths, stress_steps, dt: run.time_step(), history }
+    }
+
+    fn note(&mut self, step: u64, last: bool, stepper: &mut Stepper, state: &mut State) {
+        let time = step as f64 * self.dt;
+        while self.stress_steps.get(self.history.stress.len()) == Some(&step) {
+            let stress = self.mesh.stress(state.displacement());
+            self.history.stress.push(StressField { time, stress });
+        }
+        if step % self.recording.every != 0 && !last {
+            return;
+        }
+        stepper.synchronise(state);
+        self.history.time.push(time);
+        self.history.force.extend_from_slice(state.forces());
+        let relative = state.gaps().iter().zip(&self.lengths).map(|(gap, h)| gap / h);
+        self.history.relative_gap.extend(relative);
+        if self.recording.energies {
+            self.history.energy.push(stepper.energy(state));
+        }
+    }
+}
