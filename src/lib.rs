@@ -45,8 +45,8 @@ pub mod cli;
 pub mod error;
 pub mod fem;
 pub mod impact;
-pub mod pencil;
 pub mod penalty;
+pub mod pencil;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod record;

@@ -3,17 +3,19 @@
 //! Records go to files or standard output, everything else to standard error. Exit status 0: done, and what was
 //! checked holds; 1: done, and a check did not hold; 2: refused, nothing computed or written.
 
+mod impacts;
 mod maps;
 mod options;
 mod output;
 mod progress;
 mod summary;
 
+pub use impacts::{FinishedRun, PlannedRun, exact_energy, exact_force, execute};
 pub use maps::{Chart, Job, Solved, paper};
 pub use options::{Format, Limit, OutputOptions, SceneOptions, StandardOutput};
 pub use output::Output;
 pub use progress::Progress;
-pub use summary::{MapSummary, point_answers, print_summaries, print_table, tabulate_ratios};
+pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};
 
 use std::process::ExitCode;
 

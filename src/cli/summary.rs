@@ -5,7 +5,7 @@ use comfy_table::{CellAlignment, Table};
 
 use super::Solved;
 use crate::penalty::{Ratio, reference_bar};
-use crate::record::{OptimalRatioRow, StabilityRow};
+use crate::record::{ImpactRow, Number, OptimalRatioRow, StabilityRow};
 use crate::stability::{CriticalStep, Curve, Point};
 
 /// What the summary says of one scene with one mass matrix, over all its maps.
@@ -159,6 +159,38 @@ pub fn tabulate_ratios(rows: &[OptimalRatioRow]) -> Vec<String> {
     vec![first.scene.clone(), first.elements.to_string(), first.mass.clone(), text, holds]
 }
 
+/// Prints one line a run.
+pub fn print_impacts(rows: &[ImpactRow]) {
+    let header = [
+        "scene",
+        "mass",
+        "scheme",
+        "beta_s",
+        "r",
+        "force error",
+        "steady g/h",
+        "energy ratio",
+        "switches",
+        "ending",
+    ];
+    let optional = |x: Option<Number>| x.map_or("-".to_owned(), |x| format!("{:.4e}", x.0));
+    let cells = |row: &ImpactRow| {
+        vec![
+            row.scene.clone(),
+            row.mass.clone(),
+            row.scheme.to_owned(),
+            short(row.stiffness_penalty.0),
+            short(row.ratio.0),
+            optional(row.force_error),
+            optional(row.steady_relative_gap),
+            row.energy_ratio.map_or("-".to_owned(), |x| format!("{:.6}", x.0)),
+            row.switches.to_string(),
+            row.ending.clone(),
+        ]
+    };
+    print_table(&header, rows.iter().map(cells));
+}
+
 /// Prints a plain table on standard error, as wide as its content.
 pub fn print_table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
     let mut table = Table::new();
@@ -192,7 +224,7 @@ pub fn point_answers(solved: &Solved, rows: &[StabilityRow]) -> Vec<String> {
 }
 
 /// A number as short as it can be written.
-fn short(x: f64) -> String {
+pub(super) fn short(x: f64) -> String {
     let (plain, power) = (format!("{x}"), format!("{x:e}"));
     if plain.len() <= power.len() { plain } else { power }
 }

@@ -121,7 +121,8 @@ impl Run {
         }
         let steps = self.duration / self.time_step();
         if steps > MAX_STEPS {
-            let value = format!("{:e}, which makes {steps:.3e} steps of {:e} s", self.duration, self.time_step());
+            let value =
+                format!("{:e}, which makes {steps:.3e} steps of {:e} s", self.duration, self.time_step());
             return Err(Refusal::new("duration", value, format!("at most {MAX_STEPS:e} steps")));
         }
         Ok(self)
@@ -256,8 +257,7 @@ fn within(velocity: &[f64], bound: f64) -> bool {
 /// dt_cr = 2/omega_max without contacts, s.
 pub(crate) fn contact_free_step(model: &Model) -> f64 {
     let open = vec![Penalty::default(); model.scales().len()];
-    let pencil = model.pencil();
-    2.0 / model.engine(EngineName::Auto, &pencil).estimate(&open, None).sqrt()
+    2.0 / model.engine(EngineName::Auto, None).estimate(&open, None).sqrt()
 }
 
 /// Writes rows while a run goes on.

@@ -164,18 +164,31 @@ fn title(rows: &[StabilityRow]) -> String {
 }
 
 /// The built-in scenes by the names of the paper. A long name is cut: the title must fit above half a page.
-fn scene_name(scene: &str) -> String {
+pub(super) fn scene_name(scene: &str) -> String {
     const LONGEST_NAME: usize = 16;
     match (scene, scene.char_indices().nth(LONGEST_NAME)) {
         ("signorini", _) => "Signorini".to_owned(),
         ("symmetric", _) => "symmetric contact".to_owned(),
         ("hunek", _) => "Hunek".to_owned(),
+        ("bouncing-bar", _) => "bouncing bar".to_owned(),
         (_, Some((cut, _))) => format!("{}…", &scene[..cut]),
         _ => scene.to_owned(),
     }
 }
 
-/// A number as a label: ∞, or plain.
-fn number(x: f64) -> String {
-    if x.is_infinite() { "∞".to_owned() } else { format!("{x}").replace('-', "−") }
+/// A number as a label: ∞, plain, or with a power of ten where that is shorter to read.
+pub(super) fn number(x: f64) -> String {
+    let plain = format!("{x}").replace('-', "−");
+    if x.is_infinite() {
+        return "∞".to_owned();
+    }
+    if x == 0.0 || (1e-3..1e4).contains(&x.abs()) {
+        return plain;
+    }
+    let power = format!("{x:e}").replace('-', "−");
+    match power.split_once('e') {
+        Some(("1", exponent)) => format!("10^{{{exponent}}}"),
+        Some((mantissa, exponent)) => format!("{mantissa}·10^{{{exponent}}}"),
+        None => plain,
+    }
 }

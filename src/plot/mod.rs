@@ -32,6 +32,7 @@ mod export;
 mod font;
 mod frame;
 mod geometry;
+pub mod impact_charts;
 mod layout;
 mod legend;
 mod markup;

@@ -1,8 +1,10 @@
 //! What a run leaves behind: typed rows, written as CSV or JSON, and where they come from.
 
+mod impact_rows;
 mod provenance;
 mod rows;
 
+pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
 pub use provenance::Provenance;
 pub use rows::{Number, OptimalRatioRow, StabilityRow};
 

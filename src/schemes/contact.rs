@@ -10,7 +10,7 @@
 
 use super::twisted::Twisted;
 use crate::error::Refusal;
-use crate::pencil::{Gap, Pencil, Penalty};
+use crate::pencil::{Gap, Penalty, Pencil};
 
 /// One contact as a scheme sees it.
 #[derive(Debug, Clone, PartialEq)]

@@ -50,14 +50,7 @@ fn spring(c: f64, load: f64, left: f64, here: f64, right: f64) -> f64 {
 }
 
 #[inline(always)]
-fn kick_drift_loop(
-    coefficient: f64,
-    load: f64,
-    dt: f64,
-    u: &[f64],
-    velocity: &mut [f64],
-    next: &mut [f64],
-) {
+fn kick_drift_loop(coefficient: f64, load: f64, dt: f64, u: &[f64], velocity: &mut [f64], next: &mut [f64]) {
     let n = velocity.len();
     let (left, here, right, next) = (&u[..n], &u[1..=n], &u[2..n + 2], &mut next[..n]);
     for i in 0..n {

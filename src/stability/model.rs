@@ -138,6 +138,14 @@ impl Model {
         self.scales.iter().map(|scale| scale.penalty(beta_s, ratio, self.form)).collect()
     }
 
+    /// Refuses penalties that f64 cannot hold.
+    ///
+    /// # Errors
+    /// See [`ContactScale::check`].
+    pub fn check(&self, beta_s: StiffnessPenalty, ratio: Ratio) -> Result<(), Refusal> {
+        self.scales.iter().try_for_each(|scale| scale.check(beta_s, ratio))
+    }
+
     /// Refuses a grid whose penalties f64 cannot hold; s and m are monotone, so its corners tell.
     ///
     /// # Errors
@@ -148,7 +156,7 @@ impl Model {
         let largest = positive().reduce(|a, b| if b > a { b } else { a });
         for beta_s in [smallest, largest].into_iter().flatten() {
             for ratio in &grid.ratios {
-                self.scales.iter().try_for_each(|scale| scale.check(beta_s, *ratio))?;
+                self.check(beta_s, *ratio)?;
             }
         }
         Ok(())

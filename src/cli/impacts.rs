@@ -1,0 +1,143 @@
+//! The runs of `contact-impact`: every scene, mass matrix, penalty and scheme, in parallel.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use rayon::prelude::*;
+
+use super::Progress;
+use super::summary::short;
+use crate::error::{Error, Refusal, Result};
+use crate::impact::{self, Exact, History, Recording, Run};
+use crate::penalty::{Ratio, StiffnessPenalty};
+use crate::plot::impact_charts::{ExactLine, RunRecord};
+use crate::record::{HistoryRow, ImpactRow, StressRow};
+
+/// One run and its penalties.
+#[derive(Debug, Clone)]
+pub struct PlannedRun {
+    /// The run.
+    pub run: Run,
+    /// beta_s.
+    pub beta_s: StiffnessPenalty,
+    /// r.
+    pub ratio: Ratio,
+}
+
+/// What a run has left.
+#[derive(Debug, Clone)]
+pub struct FinishedRun {
+    /// The run as planned.
+    pub planned: PlannedRun,
+    /// Its history, with energies.
+    pub history: History,
+}
+
+impl PlannedRun {
+    /// The name of its files: scene, mass, scheme and penalties.
+    pub fn stem(&self) -> String {
+        let model = self.run.model();
+        format!(
+            "{}-{}-{}-beta{}-r{}",
+            model.scene().name(),
+            model.mass().name(),
+            self.run.scheme().name(),
+            short(self.beta_s.get()),
+            short(self.ratio.get()),
+        )
+    }
+}
+
+impl FinishedRun {
+    /// The line of the summary.
+    pub fn row(&self) -> ImpactRow {
+        ImpactRow::new(&self.planned.run, self.planned.beta_s.get(), self.planned.ratio.get(), &self.history)
+    }
+
+    /// The stress rows of every recorded time.
+    pub fn stress(&self) -> Vec<StressRow> {
+        let run = &self.planned.run;
+        let exact = Exact::of(run.model().scene(), run.duration());
+        self.history.stress.iter().flat_map(|field| StressRow::of(run, exact.as_ref(), field)).collect()
+    }
+
+    /// What the charts need.
+    pub fn record(&self) -> RunRecord {
+        RunRecord {
+            stiffness_penalty: self.planned.beta_s.get(),
+            scheme: self.planned.run.scheme().facts().title,
+            history: HistoryRow::of(&self.history, 0),
+            stress: self.stress(),
+        }
+    }
+}
+
+/// Executes the runs in parallel. Ctrl-C ends them early; what is finished is returned.
+///
+/// # Errors
+/// What a run refuses before it starts.
+pub fn execute(
+    planned: &[PlannedRun],
+    recording: &Recording,
+    progress: &Progress,
+) -> Result<Vec<FinishedRun>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    // A second handler cannot be set; the first then still does its work.
+    let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+    let failure: Mutex<Option<Refusal>> = Mutex::new(None);
+    let finished: Vec<Option<FinishedRun>> = planned
+        .par_iter()
+        .map(|planned| {
+            let mut seen = 0;
+            let mut report = |done: u64, _: u64| {
+                progress.add((done - seen) as usize);
+                seen = done;
+            };
+            let watched = impact::Progress { stop: &stop, report: &mut report };
+            let history = planned.run.execute(recording, Some(watched));
+            progress.add(planned.run.steps().saturating_sub(seen) as usize);
+            match history {
+                Ok(history) => Some(FinishedRun { planned: planned.clone(), history }),
+                Err(refusal) => {
+                    if let Ok(mut failure) = failure.lock() {
+                        failure.get_or_insert(refusal);
+                    }
+                    None
+                }
+            }
+        })
+        .collect();
+    match failure.into_inner() {
+        Ok(Some(refusal)) => Err(Error::Refused(refusal)),
+        _ => Ok(finished.into_iter().flatten().collect()),
+    }
+}
+
+/// The exact contact force of a run's scene, with its jumps.
+pub fn exact_force(run: &Run) -> ExactLine {
+    let Some(exact) = Exact::of(run.model().scene(), run.duration()) else { return Vec::new() };
+    let samples = 600;
+    let mut line = vec![(0.0, 0.0)];
+    for i in 0..=samples {
+        let t = run.duration() * f64::from(i) / f64::from(samples);
+        let (before, after) = (exact.force_before(t), exact.force(t));
+        if before != after {
+            line.push((t, before));
+        }
+        line.push((t, after));
+    }
+    line
+}
+
+/// The exact kinetic and strain energy, J.
+pub fn exact_energy(run: &Run) -> ExactLine {
+    let Some(exact) = Exact::of(run.model().scene(), run.duration()) else { return Vec::new() };
+    let samples = 300;
+    let energy = |i: i32| {
+        let t = run.duration() * f64::from(i) / f64::from(samples);
+        let (kinetic, strain) = exact.energies(t);
+        (t, kinetic + strain)
+    };
+    (0..=samples).map(energy).collect()
+}
