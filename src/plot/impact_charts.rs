@@ -118,9 +118,9 @@ fn panels(
 
 /// Central differences chatter on a stiff contact: they stay grey behind the other schemes.
 fn style(scheme: &str) -> usize {
-    const GREY: usize = 7;
+    const LIGHT_GREY: usize = 8;
     match scheme {
-        "central difference" => GREY,
+        "central difference" => LIGHT_GREY,
         "predictor-corrector" => 0,
         _ => 1,
     }

@@ -69,8 +69,9 @@ pub(super) const SHADE: Colour = (223, 234, 242);
 /// Cells without a value.
 pub(super) const MISSING: Colour = (190, 190, 190);
 
-/// Qualitative colours of Okabe and Ito, the dark ones first; the yellow is left out.
-const SERIES: [Colour; 8] = [
+/// Qualitative colours of Okabe and Ito, the dark ones first; the yellow is left out. The last is for noisy curves
+/// behind the others.
+const SERIES: [Colour; 9] = [
     (0, 114, 178),
     (213, 94, 0),
     (0, 158, 115),
@@ -79,10 +80,11 @@ const SERIES: [Colour; 8] = [
     (230, 159, 0),
     (86, 180, 233),
     (120, 120, 120),
+    (175, 175, 175),
 ];
 
 /// Dashes, mm drawn and mm left out in turn; all different, so that grey print keeps the curves apart.
-const DASHES: [&[f64]; 8] = [
+const DASHES: [&[f64]; 9] = [
     &[],
     &[2.2, 0.9],
     &[0.5, 0.7],
@@ -91,6 +93,7 @@ const DASHES: [&[f64]; 8] = [
     &[2.4, 0.6, 0.5, 0.6, 0.5, 0.6],
     &[4.0, 0.7, 1.3, 0.7],
     &[0.4, 1.3],
+    &[],
 ];
 
 /// Shape of a marker.
@@ -103,7 +106,7 @@ pub(super) enum Shape {
 }
 
 /// Shapes and whether they are filled.
-const SHAPES: [(Shape, bool); 8] = [
+const SHAPES: [(Shape, bool); 9] = [
     (Shape::Circle, true),
     (SQUARE, true),
     (TRIANGLE, true),
@@ -112,6 +115,7 @@ const SHAPES: [(Shape, bool); 8] = [
     (SQUARE, false),
     (TRIANGLE, false),
     (DIAMOND, false),
+    (Shape::Circle, true),
 ];
 const SQUARE: Shape = Shape::Polygon { corners: 4, turn: 45.0 };
 const DIAMOND: Shape = Shape::Polygon { corners: 4, turn: 0.0 };
