@@ -33,7 +33,7 @@ pub fn curves(models: &[Vec<StabilityRow>], log: bool) -> Figure {
 }
 
 /// The ratios of the paper keep their style in every chart; the others follow in turn.
-fn style(ratio: f64) -> usize {
+pub(super) fn style(ratio: f64) -> usize {
     const KNOWN: [f64; 7] = [1.0, 2.0, 3.0, 0.5, f64::INFINITY, 0.25, 10.0];
     KNOWN.iter().position(|known| *known == ratio).unwrap_or(ratio.to_bits() as usize % KNOWN.len())
 }
@@ -53,7 +53,7 @@ fn shared_range(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)>
 }
 
 /// The rows of one model as curves (r, points), in their order.
-fn curves_of(rows: &[StabilityRow]) -> Vec<(f64, Vec<(f64, f64)>)> {
+pub(super) fn curves_of(rows: &[StabilityRow]) -> Vec<(f64, Vec<(f64, f64)>)> {
     let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
     for row in rows {
         let point = (row.stiffness_penalty.0, row.critical_courant.map_or(f64::NAN, |c| c.0));

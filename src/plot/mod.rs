@@ -42,6 +42,7 @@ mod search;
 mod theme;
 mod ticks;
 mod trace;
+pub mod verify_charts;
 
 #[cfg(test)]
 mod tests;

@@ -3,10 +3,12 @@
 mod impact_rows;
 mod provenance;
 mod rows;
+mod verify_rows;
 
 pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
 pub use provenance::Provenance;
 pub use rows::{Number, OptimalRatioRow, StabilityRow};
+pub use verify_rows::VerifyRow;
 
 use serde::Serialize;
 

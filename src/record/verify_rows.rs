@@ -1,0 +1,63 @@
+//! Rows of limits that were confirmed by stepping.
+
+use serde::Serialize;
+
+use super::Number;
+use crate::schemes::Scheme;
+use crate::stability::Model;
+use crate::verify::{Limit, Point};
+
+/// A predicted limit beside the one that stepping found; Courant numbers are c0 dt/h of the reference element.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VerifyRow {
+    /// Name of the scene.
+    pub scene: String,
+    /// `lumped`, `averaged`, `consistent`, or gamma.
+    pub mass: String,
+    /// gamma of the mass matrix.
+    pub gamma: Number,
+    /// Elements of all bars.
+    pub elements: usize,
+    /// Name of the scheme.
+    pub scheme: &'static str,
+    /// `closed`: the contacts are held closed.
+    pub contact: &'static str,
+    /// beta_s.
+    pub stiffness_penalty: Number,
+    /// r.
+    pub ratio: Number,
+    /// The predicted limit.
+    pub predicted: Number,
+    /// The largest Courant number whose trial did not grow.
+    pub stable_at: Number,
+    /// The smallest whose trial did.
+    pub unstable_at: Number,
+    /// Steps of a stable trial.
+    pub steps: u64,
+    /// Growth at `unstable_at`, ln of the factor a step.
+    pub growth: Number,
+    /// Whether the prediction lies within the tolerance of the bracket.
+    pub agrees: bool,
+}
+
+impl VerifyRow {
+    /// The row of one point with contacts held closed.
+    pub fn new(model: &Model, scheme: Scheme, point: Point, predicted: f64, found: &Limit, tolerance: f64) -> Self {
+        Self {
+            scene: model.scene().name().to_owned(),
+            mass: model.mass().name(),
+            gamma: Number(model.mass().gamma()),
+            elements: model.scene().elements(),
+            scheme: scheme.name(),
+            contact: "closed",
+            stiffness_penalty: Number(point.stiffness_penalty.get()),
+            ratio: Number(point.ratio.get()),
+            predicted: Number(predicted),
+            stable_at: Number(found.stable_at),
+            unstable_at: Number(found.unstable_at),
+            steps: found.steps,
+            growth: Number(found.growth),
+            agrees: found.agrees(predicted, tolerance),
+        }
+    }
+}
