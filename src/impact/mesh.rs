@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use crate::penalty::touching_bars;
-use crate::pencil::{Pencil, Penalty};
 use crate::fem::MassMatrix;
+use crate::penalty::touching_bars;
+use crate::pencil::{Penalty, Pencil};
 use crate::scene::{Bar, ContactSite, End, Scene};
 use crate::schemes::Contact;
 

@@ -121,7 +121,8 @@ impl Run {
         }
         let steps = self.duration / self.time_step();
         if steps > MAX_STEPS {
-            let value = format!("{:e}, which makes {steps:.3e} steps of {:e} s", self.duration, self.time_step());
+            let value =
+                format!("{:e}, which makes {steps:.3e} steps of {:e} s", self.duration, self.time_step());
             return Err(Refusal::new("duration", value, format!("at most {MAX_STEPS:e} steps")));
         }
         Ok(self)
@@ -299,7 +300,7 @@ impl<'a> Recorder<'a> {
             let stress = self.mesh.stress(state.displacement());
             self.history.stress.push(StressField { time, stress });
         }
-        if step % self.recording.every != 0 && !last {
+        if !step.is_multiple_of(self.recording.every) && !last {
             return;
         }
         stepper.synchronise(state);

@@ -50,7 +50,8 @@ impl Stepper {
         }
         state.gap_rate.copy_from_slice(kick);
         self.contacts.relax(&state.closed, p, &mut state.gap_rate);
-        let halves = state.force.iter().zip(&state.last_gap_change).map(|(force, change)| 0.5 * force * change);
+        let halves =
+            state.force.iter().zip(&state.last_gap_change).map(|(force, change)| 0.5 * force * change);
         state.contact_work += halves.sum::<f64>();
         state.balance_work = state.contact_work;
     }

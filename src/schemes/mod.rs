@@ -114,8 +114,9 @@ impl FromStr for Scheme {
     type Err = Refusal;
 
     fn from_str(text: &str) -> Result<Self, Refusal> {
-        Self::ALL.into_iter().find(|scheme| scheme.name() == text).ok_or_else(|| {
-            Refusal::new("scheme", format!("{text:?}"), Self::ALL.map(Self::name).join(", "))
-        })
+        Self::ALL
+            .into_iter()
+            .find(|scheme| scheme.name() == text)
+            .ok_or_else(|| Refusal::new("scheme", format!("{text:?}"), Self::ALL.map(Self::name).join(", ")))
     }
 }

@@ -50,7 +50,8 @@ impl Operator {
     pub(super) fn new(pencil: &Pencil, load: &[f64], scale: f64) -> Self {
         let lumped = pencil.mass().off_diagonal.iter().all(|off| *off == 0.0);
         let inertia = (!lumped).then(|| Twisted::new(pencil.mass(), scale));
-        let stretches = stretches(pencil, load, |i| if lumped { scale / pencil.mass().diagonal[i] } else { 1.0 });
+        let stretches =
+            stretches(pencil, load, |i| if lumped { scale / pencil.mass().diagonal[i] } else { 1.0 });
         Self { stretches, inertia, instructions: Instructions::detect() }
     }
 
@@ -65,7 +66,13 @@ impl Operator {
             let Range { start, end } = stretch.nodes;
             if stretch.is_uniform() {
                 let around = &u[start - 1..end + 1];
-                kernels::uniform_rate(self.instructions, stretch.left, stretch.load, around, &mut rate[start..end]);
+                kernels::uniform_rate(
+                    self.instructions,
+                    stretch.left,
+                    stretch.load,
+                    around,
+                    &mut rate[start..end],
+                );
             } else {
                 (start..end).for_each(|i| rate[i] = stretch.rate(u, i));
             }

@@ -200,7 +200,8 @@ impl Stepper {
         let n = pencil.size();
         let scale = if scheme == Scheme::Park { 1.0 } else { time_step };
         let k = contacts.len();
-        let relief = |c: &Contact| predictor_corrector::difference(c.penalty.mass, time_step, c.penalty.stiffness);
+        let relief =
+            |c: &Contact| predictor_corrector::difference(c.penalty.mass, time_step, c.penalty.stiffness);
         let relief: Vec<f64> = contacts.iter().map(relief).collect();
         let contacts = Contacts::new(pencil, contacts)?;
         let delicate = |(j, contact): (usize, &Contact)| {
