@@ -9,5 +9,6 @@ mod summary;
 pub use exact::Exact;
 pub use history::{Ending, History, Recording, StressField};
 pub use mesh::Mesh;
+pub(crate) use run::contact_free_step;
 pub use run::{MAX_STEPS, Progress, Run};
 pub use summary::Summary;

@@ -299,7 +299,7 @@ impl<'a> Recorder<'a> {
             let stress = self.mesh.stress(state.displacement());
             self.history.stress.push(StressField { time, stress });
         }
-        if step % self.recording.every != 0 && !last {
+        if !step.is_multiple_of(self.recording.every) && !last {
             return;
         }
         stepper.synchronise(state);

@@ -156,8 +156,8 @@ impl Contacts {
 
     /// x <- (I + mu m)^-1 (x + mu y), where m and y belong to the closed contacts; y is 0 for the others.
     pub(super) fn relax(&mut self, closed: &[bool], y: &[f64], x: &mut [f64]) {
-        for j in 0..self.list.len() {
-            self.scratch.right_side[j] = x[j] + self.mu_times(j, y);
+        for (j, x) in x.iter().enumerate() {
+            self.scratch.right_side[j] = x + self.mu_times(j, y);
         }
         let row = |this: &Self, j: usize, i: usize| {
             if closed[i] { this.mu(j, i) * this.list[i].penalty.mass } else { 0.0 }

@@ -43,29 +43,38 @@ macro_rules! dispatched {
     };
 }
 
-/// c ((u_left - u) + (u_right - u)) + load: the difference form gives a rigid translation no force at all.
+/// (u_left - u) + (u_right - u): the difference form gives a rigid translation no force at all.
 #[inline(always)]
-fn spring(c: f64, load: f64, left: f64, here: f64, right: f64) -> f64 {
-    c * ((left - here) + (right - here)) + load
+fn second_difference(left: f64, here: f64, right: f64) -> f64 {
+    (left - here) + (right - here)
 }
 
 #[inline(always)]
-fn kick_drift_loop(coefficient: f64, load: f64, dt: f64, u: &[f64], velocity: &mut [f64], next: &mut [f64]) {
+fn kick_drift_loop(c: f64, load: f64, dt: f64, u: &[f64], velocity: &mut [f64], next: &mut [f64]) {
     let n = velocity.len();
     let (left, here, right, next) = (&u[..n], &u[1..=n], &u[2..n + 2], &mut next[..n]);
-    for i in 0..n {
-        let v = velocity[i] + spring(coefficient, load, left[i], here[i], right[i]);
-        velocity[i] = v;
-        next[i] = here[i] + dt * v;
+    // The additions set the pace, so that a load of zero is worth leaving out.
+    if load == 0.0 {
+        for i in 0..n {
+            let v = velocity[i] + c * second_difference(left[i], here[i], right[i]);
+            velocity[i] = v;
+            next[i] = here[i] + dt * v;
+        }
+    } else {
+        for i in 0..n {
+            let v = velocity[i] + (c * second_difference(left[i], here[i], right[i]) + load);
+            velocity[i] = v;
+            next[i] = here[i] + dt * v;
+        }
     }
 }
 
 #[inline(always)]
-fn rate_loop(coefficient: f64, load: f64, u: &[f64], rate: &mut [f64]) {
+fn rate_loop(c: f64, load: f64, u: &[f64], rate: &mut [f64]) {
     let n = rate.len();
     let (left, here, right) = (&u[..n], &u[1..=n], &u[2..n + 2]);
     for i in 0..n {
-        rate[i] = spring(coefficient, load, left[i], here[i], right[i]);
+        rate[i] = c * second_difference(left[i], here[i], right[i]) + load;
     }
 }
 
@@ -83,12 +92,12 @@ fn drift_loop(dt: f64, kick: &[f64], velocity: &mut [f64], u: &mut [f64]) {
 dispatched! {
     /// v += c (second difference of u) + load, next = u + dt v, in one pass over a stretch of equal nodes.
     /// `u` has one node more on either side than `velocity` and `next`.
-    kick_drift = kick_drift_loop(coefficient: f64, load: f64, dt: f64, u: &[f64], velocity: &mut [f64], next: &mut [f64])
+    kick_drift = kick_drift_loop(c: f64, load: f64, dt: f64, u: &[f64], velocity: &mut [f64], next: &mut [f64])
 }
 
 dispatched! {
     /// rate = c (second difference of u) + load; `u` has one node more on either side.
-    uniform_rate = rate_loop(coefficient: f64, load: f64, u: &[f64], rate: &mut [f64])
+    uniform_rate = rate_loop(c: f64, load: f64, u: &[f64], rate: &mut [f64])
 }
 
 dispatched! {

@@ -1,1 +1,277 @@
-//! stub
+//! Stability limits found by stepping alone: no eigenvalue, no amplification matrix, no use of how the matrices look.
+//!
+//! All contacts are held closed. From u = 0 and pseudo-random velocities, which excite every mode, a trial makes
+//! [`Search::steps`] steps and watches the size of the velocities, sqrt(v' diag(M) v). The trial is unstable when that
+//! exceeds its start by the factor
+//!
+//! ```text
+//! threshold = 1/sqrt(tolerance)
+//! ```
+//! Below its limit by the relative distance e, central difference amplitudes reach 1/sqrt(8 e), so that a stable trial is
+//! taken for unstable only where e < tolerance/8. Above it they grow by 2 sqrt(2 e) a step: 9/sqrt(tolerance) steps
+//! give e^18 at e = tolerance/2. The other schemes damp what reaches the contact and grow by about e a step above their
+//! limits, sometimes by far less. They are given 100/tolerance steps, and a trial is unstable too when the last quarter of
+//! them exceeds the third by a factor [`LATE_RISE`]. What growth was seen is reported.
+//! Rigid motion has a constant velocity, so it is no growth, though its displacement grows without bound.
+
+use rayon::prelude::*;
+
+use crate::error::Refusal;
+use crate::impact::{Mesh, contact_free_step};
+use crate::penalty::{Ratio, StiffnessPenalty};
+use crate::schemes::{ContactRule, Park, Scheme, Setup, Stepper};
+use crate::stability::Model;
+
+/// The velocities are looked at every so many steps.
+const STRIDE: u64 = 5;
+
+/// A rise from the third to the last quarter of a damped trial that no interference of its modes makes.
+pub const LATE_RISE: f64 = 1.2;
+
+/// Halvings or doublings of the first Courant number, 1, before the search gives up: beyond the range of f64.
+const MOST_DOUBLINGS: u32 = 1000;
+
+/// How closely and how long a limit is looked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Search {
+    /// (unstable - stable)/unstable of the answer.
+    pub tolerance: f64,
+    /// Steps of a trial that does not blow up.
+    pub steps: u64,
+}
+
+impl Search {
+    /// The search to `tolerance` with the steps that `scheme` needs for it.
+    ///
+    /// # Errors
+    /// Refuses a tolerance outside [1e-12, 0.1], where rounding or the threshold would decide, and one that asks for
+    /// more than 1e9 steps a trial.
+    pub fn to(tolerance: f64, scheme: Scheme) -> Result<Self, Refusal> {
+        if !(1e-12..=0.1).contains(&tolerance) {
+            return Err(Refusal::new("tolerance", tolerance, "a number in [1e-12, 0.1]"));
+        }
+        let steps = match scheme {
+            Scheme::CentralDifference => 9.0 / tolerance.sqrt(),
+            Scheme::PredictorCorrector | Scheme::Park => 100.0 / tolerance,
+        };
+        Self { tolerance, steps: steps.ceil() as u64 }.checked()
+    }
+
+    fn checked(self) -> Result<Self, Refusal> {
+        let held = (1..=1_000_000_000).contains(&self.steps);
+        held.then_some(self).ok_or_else(|| Refusal::new("steps of a trial", self.steps, "1 to 1e9"))
+    }
+
+    fn threshold(&self) -> f64 {
+        1.0 / self.tolerance.sqrt()
+    }
+}
+
+/// A limit between two Courant numbers c0 dt/h of the reference element.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limit {
+    /// The largest Courant number whose trial did not grow.
+    pub stable_at: f64,
+    /// The smallest whose trial did.
+    pub unstable_at: f64,
+    /// Growth there, ln of the factor a step, over the last half of the trial.
+    pub growth: f64,
+    /// Steps of a stable trial.
+    pub steps: u64,
+    /// Steps of all trials.
+    pub total_steps: u64,
+}
+
+impl Limit {
+    /// The middle of the bracket.
+    pub fn courant(&self) -> f64 {
+        0.5 * (self.stable_at + self.unstable_at)
+    }
+
+    /// Whether `predicted` lies within the relative distance `tolerance` of the bracket.
+    pub fn agrees(&self, predicted: f64, tolerance: f64) -> bool {
+        let margin = tolerance * predicted;
+        self.stable_at - margin <= predicted && predicted <= self.unstable_at + margin
+    }
+}
+
+/// The point of a map at which a limit is wanted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// beta_s.
+    pub stiffness_penalty: StiffnessPenalty,
+    /// r.
+    pub ratio: Ratio,
+}
+
+/// The largest stable Courant number of `scheme` with the contacts of `model` held closed; `theta` is for
+/// [`Scheme::Park`]. If a scheme is stable again above its first limit, one of its limits is found.
+///
+/// # Errors
+/// Refuses what [`Stepper::new`], [`Model::check`] and [`Search::to`] refuse, and a model that no step makes stable or
+/// unstable.
+pub fn largest_stable_courant(
+    model: &Model,
+    scheme: Scheme,
+    theta: f64,
+    point: Point,
+    search: &Search,
+) -> Result<Limit, Refusal> {
+    let search = search.checked()?;
+    model.check(point.stiffness_penalty, point.ratio)?;
+    let trials = Trials::new(model, scheme, theta, point, &search);
+    let mut total_steps = 0;
+    let mut grows = |courant: f64| {
+        let trial = trials.run(courant)?;
+        total_steps += trial.steps;
+        Ok::<_, Refusal>(trial.growth)
+    };
+    let (mut stable_at, mut unstable_at, mut growth) = bracket(&mut grows)?;
+    while unstable_at - stable_at > search.tolerance * unstable_at {
+        let middle = 0.5 * (stable_at + unstable_at);
+        match grows(middle)? {
+            Some(seen) => (unstable_at, growth) = (middle, seen),
+            None => stable_at = middle,
+        }
+    }
+    Ok(Limit { stable_at, unstable_at, growth, steps: search.steps, total_steps })
+}
+
+/// [`largest_stable_courant`] of every point, in parallel; in the order of `points`.
+///
+/// # Errors
+/// The first refusal.
+pub fn limits(
+    model: &Model,
+    scheme: Scheme,
+    theta: f64,
+    points: &[Point],
+    search: &Search,
+) -> Result<Vec<Limit>, Refusal> {
+    points.par_iter().map(|point| largest_stable_courant(model, scheme, theta, *point, search)).collect()
+}
+
+/// A stable Courant number and an unstable one, twice as large, with its growth.
+fn bracket(grows: &mut impl FnMut(f64) -> Result<Option<f64>, Refusal>) -> Result<(f64, f64, f64), Refusal> {
+    let mut courant = 1.0;
+    let mut unstable = None;
+    for _ in 0..MOST_DOUBLINGS {
+        match (grows(courant)?, unstable) {
+            (Some(growth), _) => unstable = Some((courant, growth)),
+            (None, Some((above, growth))) => return Ok((courant, above, growth)),
+            (None, None) => return upwards(courant, grows),
+        }
+        courant *= 0.5;
+    }
+    Err(Refusal::new("Courant number", courant, "a model that some step makes stable"))
+}
+
+fn upwards(
+    mut stable: f64,
+    grows: &mut impl FnMut(f64) -> Result<Option<f64>, Refusal>,
+) -> Result<(f64, f64, f64), Refusal> {
+    for _ in 0..MOST_DOUBLINGS {
+        let courant = 2.0 * stable;
+        if let Some(growth) = grows(courant)? {
+            return Ok((stable, courant, growth));
+        }
+        stable = courant;
+    }
+    Err(Refusal::new("Courant number", stable, "a model that some step makes unstable"))
+}
+
+/// What the trials of one point share.
+struct Trials<'a> {
+    model: &'a Model,
+    scheme: Scheme,
+    park: Park,
+    point: Point,
+    search: &'a Search,
+    mesh: Mesh,
+}
+
+/// How a trial ended.
+struct Trial {
+    /// `None` for a stable one.
+    growth: Option<f64>,
+    steps: u64,
+}
+
+impl<'a> Trials<'a> {
+    fn new(model: &'a Model, scheme: Scheme, theta: f64, point: Point, search: &'a Search) -> Self {
+        let park = Park { theta, critical_step: contact_free_step(model) };
+        Self { model, scheme, park, point, search, mesh: Mesh::new(model.scene()) }
+    }
+
+    fn run(&self, courant: f64) -> Result<Trial, Refusal> {
+        let pencil = self.model.pencil();
+        let penalties = self.model.penalties(self.point.stiffness_penalty, self.point.ratio);
+        let mut contacts = self.mesh.contacts(&pencil, &penalties);
+        contacts.iter_mut().for_each(|contact| contact.initial_gap = 0.0);
+        let mut stepper = Stepper::new(Setup {
+            pencil: &pencil,
+            contacts,
+            load: Vec::new(),
+            scheme: self.scheme,
+            time_step: self.model.time_step(courant),
+            rule: ContactRule::HeldClosed,
+            park: self.park,
+            account: false,
+        })?;
+        let n = pencil.size();
+        let size = |velocity: &[f64]| {
+            let square = |(v, mass): (&f64, &f64)| mass * v * v;
+            velocity.iter().zip(&pencil.mass().diagonal).map(square).sum::<f64>().sqrt()
+        };
+        let velocity = pseudo_random(n);
+        let start = size(&velocity);
+        let bound = self.search.threshold() * start;
+        let mut state = stepper.start(vec![0.0; n], velocity);
+        let mut seen = Vec::with_capacity((self.search.steps / STRIDE) as usize + 1);
+        for step in 1..=self.search.steps {
+            stepper.step(&mut state);
+            if step % STRIDE == 0 {
+                let now = size(state.stored_velocity());
+                seen.push(now);
+                if now.is_nan() || now > bound {
+                    return Ok(Trial { growth: Some(late_growth(start, &seen)), steps: step });
+                }
+            }
+        }
+        let growth = late_growth(start, &seen);
+        let rises = growth * 0.25 * self.search.steps as f64 > LATE_RISE.ln();
+        let damped = self.scheme != Scheme::CentralDifference;
+        Ok(Trial { growth: (damped && rises).then_some(growth), steps: self.search.steps })
+    }
+}
+
+/// ln of the factor a step over the last half, from the largest values of its third and fourth quarter.
+fn late_growth(start: f64, seen: &[f64]) -> f64 {
+    let quarter = seen.len() / 4;
+    let last = seen.last().copied().unwrap_or(start);
+    if quarter == 0 {
+        return (last / start).ln() / (seen.len().max(1) as f64 * STRIDE as f64);
+    }
+    let end = seen.len();
+    let (third, fourth) = (largest(&seen[end - 2 * quarter..end - quarter]), largest(&seen[end - quarter..]));
+    (fourth / third).ln() / (quarter as f64 * STRIDE as f64)
+}
+
+/// The largest of sizes >= 0.
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |a: f64, b| a.max(*b))
+}
+
+/// Numbers between -1 and 1 without a pattern, the same in every run (SplitMix64; Steele, Lea, Flood 2014).
+fn pseudo_random(n: usize) -> Vec<f64> {
+    let mut seed = 0_u64;
+    let mut next = || {
+        seed = seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = seed;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        let bits = (z ^ (z >> 31)) >> 11;
+        bits as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    (0..n).map(|_| next()).collect()
+}

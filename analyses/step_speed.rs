@@ -1,0 +1,130 @@
+//! How fast is a step? Central differences of a uniform bar of 1000 nodes, in cache, against the plain C loop of
+//! `analyses/peers/step_speed.c` (compiled here with `cc -O3 -march=native`) and a numpy loop, in one run.
+//!
+//! Measured: node-steps a second, the median of repeats that take turns. A peer whose compiler or interpreter is missing is
+//! named, not skipped in silence.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use bipenalty::error::Refusal;
+use bipenalty::fem::MassMatrix;
+use bipenalty::penalty::PenaltyMass;
+use bipenalty::scene::{Bar, End, Scene};
+use bipenalty::schemes::{ContactRule, Park, Scheme, Setup, State, Stepper};
+use bipenalty::stability::Model;
+
+const NODES: usize = 1000;
+const STEPS: u64 = 50_000;
+const REPEATS: usize = 15;
+
+fn main() -> std::process::ExitCode {
+    match compare() {
+        Ok(()) => std::process::ExitCode::SUCCESS,
+        Err(refusal) => {
+            eprintln!("{refusal}");
+            std::process::ExitCode::from(2)
+        }
+    }
+}
+
+fn compare() -> Result<(), Refusal> {
+    let peer = compile_peer();
+    if let Err(reason) = &peer {
+        println!("no C peer: {reason}");
+    }
+    println!("{:<12} {:>14} {:>14} {:>7}", "mass", "here, 1/s", "C, 1/s", "ratio");
+    let cases = [("lumped", MassMatrix::LUMPED, STEPS), ("consistent", MassMatrix::CONSISTENT, STEPS / 10)];
+    for (name, mass, steps) in cases {
+        let (mut stepper, mut state) = prepare(mass, if mass.is_lumped() { 0.5 } else { 0.25 })?;
+        let (mut here, mut there) = (Vec::new(), Vec::new());
+        for _ in 0..REPEATS {
+            here.push(rate(&mut stepper, &mut state, steps));
+            there.extend(peer.as_ref().ok().and_then(|program| {
+                output(Command::new(program).args([name, &NODES.to_string(), &steps.to_string(), "1"]))
+            }));
+        }
+        let here = median(&mut here);
+        match there.is_empty() {
+            true => println!("{name:<12} {here:>14.3e} {:>14} {:>7}", "-", "-"),
+            false => {
+                let there = median(&mut there);
+                println!("{name:<12} {here:>14.3e} {there:>14.3e} {:>7.2}", here / there);
+            }
+        }
+    }
+    if let Ok(program) = peer {
+        // A file left in the temporary directory is no failure of the measurement.
+        let _ = std::fs::remove_file(program);
+    }
+    let script = peers().join("step_speed.py");
+    let numpy = output(Command::new("python3").arg(script).args([&NODES.to_string(), "5000", "3"]));
+    match numpy {
+        Some(rate) => println!("numpy, lumped: {rate:.3e} 1/s"),
+        None => println!("no numpy peer: python3 with numpy was not found"),
+    }
+    Ok(())
+}
+
+fn peers() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("analyses/peers")
+}
+
+/// The compiled C peer, or why there is none.
+fn compile_peer() -> Result<PathBuf, String> {
+    let program = std::env::temp_dir().join(format!("bipenalty-step-speed-{}", std::process::id()));
+    let mut compiler = Command::new("cc");
+    compiler.args(["-O3", "-march=native", "-o"]).arg(&program).arg(peers().join("step_speed.c"));
+    match compiler.output() {
+        Ok(done) if done.status.success() => Ok(program),
+        Ok(done) => Err(String::from_utf8_lossy(&done.stderr).into_owned()),
+        Err(error) => Err(format!("cc: {error}")),
+    }
+}
+
+/// The first number that a command prints.
+fn output(command: &mut Command) -> Option<f64> {
+    let done = command.output().ok().filter(|done| done.status.success())?;
+    String::from_utf8_lossy(&done.stdout).split_whitespace().next()?.parse().ok()
+}
+
+fn median(rates: &mut [f64]) -> f64 {
+    rates.sort_unstable_by(f64::total_cmp);
+    rates[rates.len() / 2]
+}
+
+/// A free bar of unit elements in unsteady motion.
+fn prepare(mass: MassMatrix, time_step: f64) -> Result<(Stepper, State), Refusal> {
+    let elements = NODES - 1;
+    let bar = Bar {
+        length: elements as f64,
+        elements,
+        youngs_modulus: 1.0,
+        density: 1.0,
+        area: 1.0,
+        velocity: 0.0,
+    };
+    let scene = Scene::new("bar", End::Free, vec![bar], End::Free, None)?;
+    let pencil = Model::new(scene, mass, PenaltyMass::Consistent).pencil();
+    let mut stepper = Stepper::new(Setup {
+        pencil: &pencil,
+        contacts: Vec::new(),
+        load: Vec::new(),
+        scheme: Scheme::CentralDifference,
+        time_step,
+        rule: ContactRule::Unilateral,
+        park: Park { theta: 0.5, critical_step: 1.0 },
+        account: false,
+    })?;
+    let velocity = (0..NODES).map(|i| 0.1 * ((i * 37 % 11) as f64 - 5.0)).collect();
+    let mut state = stepper.start(vec![0.0; NODES], velocity);
+    stepper.step(&mut state);
+    Ok((stepper, state))
+}
+
+fn rate(stepper: &mut Stepper, state: &mut State, steps: u64) -> f64 {
+    let start = Instant::now();
+    (0..steps).for_each(|_| stepper.step(state));
+    (NODES as u64 * steps) as f64 / start.elapsed().as_secs_f64()
+}

@@ -1,0 +1,416 @@
+//! The schemes and the runs: exact waves, energy, the paper's impact problems, and arithmetic that keeps its digits.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use bipenalty::fem::MassMatrix;
+use bipenalty::impact::{Ending, Exact, History, Mesh, Progress, Recording, Run, Summary};
+use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
+use bipenalty::pencil::{Penalty, Pencil, Tridiagonal};
+use bipenalty::scene::{Bar, End, Impact, Scene, built_in};
+use bipenalty::schemes::{ContactRule, Park, Scheme, Setup, State, Stepper};
+use bipenalty::stability::Model;
+
+#[path = "stepping/digits.rs"]
+mod digits;
+#[path = "stepping/limits.rs"]
+mod limits;
+
+const MASSES: [MassMatrix; 3] = [MassMatrix::LUMPED, MassMatrix::AVERAGED, MassMatrix::CONSISTENT];
+
+fn run(scene: &str, mass: MassMatrix, scheme: Scheme, beta_s: f64, ratio: f64) -> Run {
+    let model = Model::new(built_in(scene).unwrap().unwrap(), mass, PenaltyMass::Consistent);
+    Run::new(model, scheme, StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(ratio).unwrap()).unwrap()
+}
+
+fn summary(run: &Run) -> Summary {
+    let history = run.execute(&Recording::default(), None).unwrap();
+    assert_eq!(history.ending, Ending::Finished);
+    Summary::of(run, &history)
+}
+
+fn unit_bar(elements: usize, velocity: f64) -> Bar {
+    Bar { length: elements as f64, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity }
+}
+
+#[test]
+fn a_square_wave_is_exact_at_the_limit_of_the_lumped_bar() {
+    // C = 1: u(x_i, t_n) = F(i - n) + F(i + n), the free ends being mirrors; period 2N steps. F is a ramp, so that
+    // velocity and stress are square waves.
+    let elements = 50_usize;
+    let scene = Scene::new("free", End::Free, vec![unit_bar(elements, 0.0)], End::Free, None).unwrap();
+    let pencil = Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent).pencil();
+    let setup = Setup {
+        pencil: &pencil,
+        contacts: Vec::new(),
+        load: Vec::new(),
+        scheme: Scheme::CentralDifference,
+        time_step: 1.0,
+        rule: ContactRule::HeldOpen,
+        park: Park { theta: 0.5, critical_step: 1.0 },
+        account: false,
+    };
+    let ramp = |i: i64| {
+        let period = 2 * elements as i64;
+        let folded = i.rem_euclid(period).min((-i).rem_euclid(period));
+        (folded as f64).clamp(10.0, 20.0)
+    };
+    let wave = |n: i64, i: usize| 0.5 * (ramp(i as i64 - n) + ramp(i as i64 + n));
+    let mut stepper = Stepper::new(setup).unwrap();
+    let start: Vec<f64> = (0..=elements).map(|i| wave(0, i)).collect();
+    let mut state = stepper.start(start, vec![0.0; elements + 1]);
+    let steps = 100_000;
+    for n in 1..=steps {
+        stepper.step(&mut state);
+        if n % 9_973 == 0 || n == steps {
+            let error =
+                (0..=elements).map(|i| (state.displacement()[i] - wave(n, i)).abs()).fold(0.0, f64::max);
+            assert!(error <= 8.0 * f64::EPSILON * n as f64, "step {n}: {error:e}");
+        }
+    }
+}
+
+/// v'Mv/2 + u_n'K u_{n+1}/2 with the penalty terms of a wall contact: what central differences keep. `after` is the
+/// state one step after u = `before`, so that its velocity is the one between them.
+fn leapfrog_energy(
+    pencil: &Pencil,
+    p: Penalty,
+    before: &[f64],
+    after: &State,
+    gaps: [f64; 2],
+    dt: f64,
+) -> f64 {
+    let n = before.len();
+    let (v, after) = (after.stored_velocity(), after.displacement());
+    let form = |a: &Tridiagonal, x: &[f64], y: &[f64]| -> f64 {
+        let mut product = vec![0.0; n];
+        a.multiply(y, &mut product);
+        x.iter().zip(&product).map(|(x, y)| x * y).sum()
+    };
+    let w = (gaps[1] - gaps[0]) / dt;
+    0.5 * (form(pencil.mass(), v, v) + p.mass * w * w)
+        + 0.5 * (form(pencil.stiffness(), before, after) + p.stiffness * gaps[0] * gaps[1])
+}
+
+#[test]
+fn central_differences_keep_their_energy_with_contact_held_open_or_closed() {
+    for mass in MASSES {
+        for (rule, beta_s) in [(ContactRule::HeldClosed, 5.0), (ContactRule::HeldOpen, 5.0)] {
+            let run = run("signorini", mass, Scheme::CentralDifference, beta_s, 2.0)
+                .with_relative_courant(0.6)
+                .unwrap()
+                .with_rule(rule);
+            let model = run.model();
+            let pencil = model.pencil();
+            let mut p = model.penalties(StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(2.0).unwrap())[0];
+            if rule == ContactRule::HeldOpen {
+                p = Penalty::default();
+            }
+            let (mut stepper, _) = run.prepare(false).unwrap();
+            let n = pencil.size();
+            // Without momentum: a bar that flies away loses digits of its stress, which is no matter of the scheme.
+            let mut velocity: Vec<f64> = (0..n).map(|i| 0.1 * ((i * i) as f64).sin()).collect();
+            let momentum: Vec<f64> = {
+                let mut product = vec![0.0; n];
+                pencil.mass().multiply(&velocity, &mut product);
+                product
+            };
+            let total: f64 = pencil.mass().diagonal.iter().sum::<f64>()
+                + 2.0 * pencil.mass().off_diagonal.iter().sum::<f64>();
+            let mean = momentum.iter().sum::<f64>() / total;
+            velocity.iter_mut().for_each(|v| *v -= mean);
+            let mut state = stepper.start(vec![0.0; n], velocity);
+            let mut energy = || {
+                let (before, gap) = (state.displacement().to_vec(), state.gaps()[0]);
+                stepper.step(&mut state);
+                leapfrog_energy(&pencil, p, &before, &state, [gap, state.gaps()[0]], run.time_step())
+            };
+            let start = energy();
+            let worst = (1..100_000).map(|_| (energy() / start - 1.0).abs()).fold(0.0, f64::max);
+            println!("{} {rule:?}: {worst:.1e}", mass.name());
+            assert!(worst <= 1e-12, "{} {rule:?}: {worst:e}", mass.name());
+        }
+    }
+}
+
+#[test]
+fn predictor_corrector_energy_never_grows_below_the_limit() {
+    // (M + k zz') u'' form: v'Mv/2 + u_{n-1}'K u_n/2 + k/(4 dt^2) (g_n^2 + g_{n-1}^2) falls by k/(4 dt^2) (g_{n+1} -
+    // g_{n-1})^2 a step, with k/dt^2 = s/(1 + mu (m - dt^2 s)).
+    for mass in MASSES {
+        for (beta_s, ratio, c) in
+            [(1.0, 1.0, 0.8), (10.0, 1.0, 0.5), (30.0, 0.25, 0.95), (3.0, f64::INFINITY, 0.3)]
+        {
+            let run = run("signorini", mass, Scheme::PredictorCorrector, beta_s, ratio)
+                .with_relative_courant(c)
+                .unwrap()
+                .with_rule(ContactRule::HeldClosed);
+            let pencil = run.model().pencil();
+            let p =
+                run.model().penalties(StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(ratio).unwrap())[0];
+            let dt = run.time_step();
+            let (mut stepper, mut state) = run.prepare(false).unwrap();
+            let effective = p.stiffness / (1.0 + stepper.compliance(0) * (p.mass - dt * dt * p.stiffness));
+            let mut energy = || {
+                let (before, gap) = (state.displacement().to_vec(), state.gaps()[0]);
+                stepper.step(&mut state);
+                let gaps = [gap, state.gaps()[0]];
+                let bars = leapfrog_energy(&pencil, Penalty::default(), &before, &state, gaps, dt);
+                bars + 0.25 * effective * (gaps[0] * gaps[0] + gaps[1] * gaps[1])
+            };
+            energy();
+            let start = energy();
+            let mut last = start;
+            for step in 0..20_000 {
+                let now = energy();
+                assert!(
+                    now <= last + 64.0 * f64::EPSILON * start,
+                    "{} {beta_s} {step}: {last} {now}",
+                    mass.name()
+                );
+                last = now;
+            }
+            assert!(last < start, "{} {beta_s}: nothing was lost", mass.name());
+        }
+    }
+}
+
+#[test]
+fn park_energy_does_not_grow_below_the_limit() {
+    // The physical energy of the scheme is no norm that falls in every step; near its limit, C = 0.7072, it overshoots
+    // its start by 2 %. From one stretch of steps to the next its maximum must fall.
+    for mass in MASSES {
+        for (c, overshoot) in [(0.5, 1.002), (0.69, 1.03)] {
+            let run = run("signorini", mass, Scheme::Park, 1e4, 1.0)
+                .with_relative_courant(c)
+                .unwrap()
+                .with_rule(ContactRule::HeldClosed);
+            let (mut stepper, mut state) = run.prepare(true).unwrap();
+            let start = stepper.energy(&mut state).stored();
+            let mut top_of = |steps: usize| {
+                let mut energy = || {
+                    stepper.step(&mut state);
+                    stepper.energy(&mut state).stored()
+                };
+                (0..steps).map(|_| energy()).fold(0.0, f64::max)
+            };
+            let highest: Vec<f64> = (0..10).map(|_| top_of(2_000)).collect();
+            println!("{} C = {c}: {:.4} of the start", mass.name(), highest[0] / start);
+            assert!(highest[0] <= start * overshoot, "{}: {highest:?} {start}", mass.name());
+            assert!(highest.windows(2).all(|pair| pair[1] <= pair[0]), "{}: {highest:?}", mass.name());
+        }
+    }
+}
+
+/// The largest energy that appears in a run: what the balance is rounded to.
+fn largest_energy(history: &History) -> f64 {
+    let size = |e: &bipenalty::schemes::Energy| {
+        [e.kinetic, e.strain, e.penalty, e.loss, e.body_work]
+            .into_iter()
+            .fold(0.0, |a: f64, b| a.max(b.abs()))
+    };
+    history.energy.iter().map(size).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_energy_balance_closes_in_every_record() {
+    let recording = Recording { every: 3, energies: true, stress_times: Vec::new() };
+    for scene in ["signorini", "hunek", "bouncing-bar"] {
+        for mass in MASSES {
+            for scheme in Scheme::ALL {
+                for beta_s in [1.0, 1e4, 1e12] {
+                    let run = run(scene, mass, scheme, beta_s, 1.0);
+                    let history = run.execute(&recording, None).unwrap();
+                    let allowed = 4.0 * f64::EPSILON * history.steps as f64 * largest_energy(&history);
+                    let imbalance = history.imbalance();
+                    assert!(
+                        imbalance <= allowed,
+                        "{scene} {} {} {beta_s:e}: {imbalance:e} > {allowed:e}",
+                        mass.name(),
+                        scheme.name()
+                    );
+                    assert!(history.energy.len() as u64 > history.steps / 3);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn signorini_penetrates_as_predicted_at_every_penalty() {
+    for mass in MASSES {
+        for beta_s in [1.0, 1e4, 1e8, 1e12] {
+            let found = summary(&run("signorini", mass, Scheme::PredictorCorrector, beta_s, 1.0));
+            let gap = found.steady_relative_gap.unwrap();
+            let error = gap * beta_s / 1e-3 - 1.0;
+            assert!(error.abs() <= 5e-3, "{} {beta_s:e}: {gap:e}", mass.name());
+        }
+    }
+}
+
+#[test]
+fn the_contact_force_is_as_good_as_promised_and_does_not_depend_on_a_large_penalty() {
+    for scheme in [Scheme::PredictorCorrector, Scheme::Park] {
+        let error = |scene: &str, beta_s: f64| {
+            summary(&run(scene, MassMatrix::LUMPED, scheme, beta_s, 1.0)).force_error.unwrap()
+        };
+        let reference = error("signorini", 1e8);
+        for beta_s in [1e4, 1e8, 1e12, 1e16] {
+            let found = error("signorini", beta_s);
+            println!("{} {beta_s:e}: {found:.6}", scheme.name());
+            assert!(found <= 0.05, "{} {beta_s:e}: {found}", scheme.name());
+            assert!(
+                beta_s < 1e8 || (found / reference - 1.0).abs() <= 1e-6,
+                "{beta_s:e}: {found} {reference}"
+            );
+            let found = error("hunek", beta_s);
+            assert!(found <= 0.085, "hunek {} {beta_s:e}: {found}", scheme.name());
+        }
+    }
+}
+
+#[test]
+fn the_bouncing_bar_is_followed_over_its_period() {
+    for scheme in [Scheme::PredictorCorrector, Scheme::Park] {
+        let run = run("bouncing-bar", MassMatrix::LUMPED, scheme, 1e8, 1.0);
+        let found = summary(&run);
+        assert!(found.force_error.unwrap() <= 0.05, "{}: {found:?}", scheme.name());
+        assert!((found.energy_ratio.unwrap() - 1.0).abs() <= 0.02, "{}: {found:?}", scheme.name());
+        assert_eq!(found.switches, 4);
+    }
+}
+
+/// u of a free bar at rest that falls: the body force must give every node the same acceleration, exactly.
+#[test]
+fn free_fall_is_exact_for_every_mass_matrix_and_scheme() {
+    for mass in MASSES {
+        for scheme in Scheme::ALL {
+            let run = run("bouncing-bar", mass, scheme, 1.0, 1.0).with_duration(0.9).unwrap();
+            let (mut stepper, mut state) = run.prepare(false).unwrap();
+            for _ in 0..run.steps() {
+                stepper.step(&mut state);
+            }
+            let (n, dt) = (run.steps() as f64, run.time_step());
+            // The predictor-corrector scheme is half a step ahead: n (n + 1)/2 instead of n^2/2.
+            let half = if scheme == Scheme::PredictorCorrector { n * (n + 1.0) } else { n * n };
+            let exact = 10.0 * dt * dt * half / 2.0;
+            for u in state.displacement() {
+                assert!(
+                    (u / exact - 1.0).abs() <= 4.0 * f64::EPSILON * n,
+                    "{} {}: {u} {exact}",
+                    mass.name(),
+                    scheme.name()
+                );
+            }
+        }
+    }
+}
+
+/// Three bars between two walls, thrown at each other.
+fn row(mirrored: bool) -> Scene {
+    let bar = |elements, velocity| Bar { length: 0.1 * elements as f64, ..unit_bar(elements, velocity) };
+    let bars = vec![bar(4, 0.4), bar(1, 0.0), bar(6, -0.7)];
+    let impact = Impact { duration: 6.0, gaps: vec![0.05, 0.02, 0.0, 0.1], gravity: 0.3 };
+    let scene = Scene::new("row", End::Wall, bars, End::Wall, Some(impact)).unwrap();
+    if mirrored { scene.mirrored() } else { scene }
+}
+
+#[test]
+fn several_contacts_open_and_close_the_same_in_a_mirror() {
+    for mass in MASSES {
+        for scheme in Scheme::ALL {
+            let histories = [false, true].map(|mirrored| {
+                let model = Model::new(row(mirrored), mass, PenaltyMass::Consistent);
+                let beta_s = StiffnessPenalty::new(3.0).unwrap();
+                let run = Run::new(model, scheme, beta_s, Ratio::OPTIMAL).unwrap();
+                let run = run.with_relative_courant(0.2).unwrap();
+                run.execute(&Recording { every: 1, energies: true, stress_times: Vec::new() }, None).unwrap()
+            });
+            let [history, mirror] = &histories;
+            assert!(history.switches > 8, "{} {}: {}", mass.name(), scheme.name(), history.switches);
+            for contact in 0..4 {
+                let peak = history.forces(contact).fold(0.0, f64::max);
+                assert!(peak > 0.0, "contact {contact} never closed");
+                let pairs = history.forces(contact).zip(mirror.forces(3 - contact));
+                let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(
+                    worst <= 1e-9 * peak,
+                    "{} {} {contact}: {worst:e} {peak}",
+                    mass.name(),
+                    scheme.name()
+                );
+            }
+            let allowed = 4.0 * f64::EPSILON * history.steps as f64 * largest_energy(history);
+            assert!(
+                history.imbalance() <= allowed,
+                "{} {}: {:e}",
+                mass.name(),
+                scheme.name(),
+                history.imbalance()
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_recorded_does_not_change_the_run() {
+    for mass in MASSES {
+        for scheme in Scheme::ALL {
+            let run = run("hunek", mass, scheme, 1e4, 1.0);
+            let dense = Recording { every: 1, energies: true, stress_times: vec![0.05, 0.3] };
+            let sparse = Recording { every: 1000, energies: false, stress_times: vec![0.3] };
+            let (dense, sparse) = (run.execute(&dense, None).unwrap(), run.execute(&sparse, None).unwrap());
+            assert_eq!(dense.stress[1], sparse.stress[0], "{} {}", mass.name(), scheme.name());
+            assert_eq!(dense.force.last(), sparse.force.last());
+            assert_eq!(dense.switches, sparse.switches);
+            assert_eq!(dense.first_and_last[1].kinetic, sparse.first_and_last[1].kinetic);
+        }
+    }
+}
+
+#[test]
+fn a_run_that_blows_up_or_is_stopped_says_when() {
+    let run = run("signorini", MassMatrix::LUMPED, Scheme::CentralDifference, 10.0, 1.0);
+    let wild = run.clone().with_relative_courant(1.1).unwrap().with_duration(30.0).unwrap();
+    let history = wild.execute(&Recording::default(), None).unwrap();
+    let Ending::BlewUp { step, time } = history.ending else { panic!("{:?}", history.ending) };
+    assert!(step > 0 && step < wild.steps() && (time - step as f64 * wild.time_step()).abs() < 1e-12);
+    let stop = std::sync::atomic::AtomicBool::new(true);
+    let mut told = Vec::new();
+    let mut report = |done, all| told.push((done, all));
+    let progress = Progress { stop: &stop, report: &mut report };
+    let history = run.execute(&Recording::default(), Some(progress)).unwrap();
+    assert_eq!(history.ending, Ending::Stopped { step: 0, time: 0.0 });
+    assert_eq!(told, [(0, run.steps())]);
+}
+
+#[test]
+fn impossible_runs_are_refused_before_they_start() {
+    let good = run("signorini", MassMatrix::LUMPED, Scheme::Park, 1.0, 1.0);
+    for c in [0.0, -0.5, f64::NAN, f64::INFINITY, 1e-9] {
+        assert!(good.clone().with_relative_courant(c).is_err(), "{c}");
+    }
+    for theta in [-0.1, 1.1, f64::NAN] {
+        assert!(good.clone().with_theta(theta).is_err(), "{theta}");
+    }
+    for duration in [0.0, f64::NAN, 1e9] {
+        assert!(good.clone().with_duration(duration).is_err(), "{duration}");
+    }
+    assert!(good.execute(&Recording { every: 0, ..Recording::default() }, None).is_err());
+}
+
+#[test]
+fn the_exact_solution_agrees_with_the_method_of_characteristics() {
+    // Central differences with lumped mass at C = 1 and no contact to disturb them are exact; so the free bar after the
+    // bounce must move like them. Here: displacement and stress of the exact solution against each other.
+    let scene = built_in("bouncing-bar").unwrap().unwrap();
+    let exact = Exact::of(&scene, 16.0 / 3.0).unwrap();
+    let d = 1e-5;
+    for (x, t) in [(3.0, 1.23), (8.8, 1.4), (5.0, 2.0), (9.9, 4.1), (0.7, 5.0)] {
+        let u = |x, t| exact.displacement(0, x, t).unwrap();
+        let strain = (u(x + d, t) - u(x - d, t)) / (2.0 * d);
+        let velocity = (u(x, t + d) - u(x, t - d)) / (2.0 * d);
+        assert!((900.0 * strain - exact.stress(0, x, t).unwrap()).abs() < 1e-6, "{x} {t}");
+        assert!((velocity - exact.velocity(0, x, t).unwrap()).abs() < 1e-6, "{x} {t}");
+    }
+    assert_eq!(Mesh::new(&scene).nodes(), 101);
+}
