@@ -66,7 +66,7 @@ impl Job {
     /// # Errors
     /// A grid that is empty, too large, or whose penalties leave the range of f64.
     pub fn new(stem: String, models: Vec<Model>, beta_s: Axis, ratio: Axis) -> Result<Self, Refusal> {
-        let grid = Grid::new(&beta_s, &ratio)?;
+        let grid = Grid::new(&beta_s, &ratio).map_err(named_as_options)?;
         for model in &models {
             check_corners(model, &grid)?;
         }
@@ -137,6 +137,16 @@ impl Job {
         }
         text
     }
+}
+
+/// The refusal of a grid, under the names that the user typed.
+fn named_as_options(refusal: Refusal) -> Refusal {
+    let place = match refusal.place.as_str() {
+        "beta_s" => "--beta-s",
+        "r" => "--ratio",
+        _ => "--beta-s, --ratio",
+    };
+    Refusal { place: place.to_owned(), ..refusal }
 }
 
 fn check_corners(model: &Model, grid: &Grid) -> Result<(), Refusal> {
