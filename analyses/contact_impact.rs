@@ -7,15 +7,15 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, exact_energy,
-    exact_force, execute, finish, print_impacts,
+    FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, checked_grid,
+    exact_energy, exact_force, execute, finish, print_impacts,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::impact::{Recording, Run};
 use bipenalty::plot::impact_charts::{self, Quantity};
 use bipenalty::record::{HistoryRow, ImpactRow};
 use bipenalty::schemes::Scheme;
-use bipenalty::stability::{Axis, Grid};
+use bipenalty::stability::Axis;
 use clap::Parser;
 
 /// Contact-impact of bars in time: three schemes, exact solutions, errors.
@@ -103,7 +103,7 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
     if asked.scenes.is_empty() {
         asked.scenes = ["signorini", "hunek", "bouncing-bar"].map(str::to_owned).to_vec();
     }
-    let grid = Grid::new(&options.beta_s, &options.ratio)?;
+    let grid = checked_grid(&options.beta_s, &options.ratio)?;
     let mut figures = Vec::new();
     for model in asked.scenes()?.iter().flat_map(|scene| asked.models(scene)) {
         model.check_grid(&grid)?;

@@ -8,7 +8,8 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    Output, OutputOptions, Progress, SceneOptions, Verdict, finish, print_table, tabulate_ratios,
+    Output, OutputOptions, Progress, SceneOptions, Verdict, checked_grid, finish, print_table,
+    tabulate_ratios,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::charts;
@@ -54,7 +55,7 @@ fn main() -> ExitCode {
 fn run(options: &Options) -> Result<Verdict> {
     let models = plan(options)?;
     let output = Output::prepare(&options.output, "optimal-ratio")?;
-    let grid = Grid::new(&options.beta_s, &Axis::list([1.0, 1e12]))?;
+    let grid = checked_grid(&options.beta_s, &Axis::list([1.0, 1e12]))?;
     models.iter().flatten().try_for_each(|model| model.check_grid(&grid))?;
     if options.output.explain {
         models.iter().flatten().for_each(|model| print!("{}", explain(model, options, &grid)));

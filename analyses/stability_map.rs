@@ -24,10 +24,10 @@ struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     /// Stiffness penalties: a list 0,0.5,10 or lin:0:10:401 or log:1e-3:1e12:301 (start:stop:count)
-    #[arg(long, value_name = "SPEC")]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
     beta_s: Option<Axis>,
     /// Penalty ratios r, in the same forms; inf is the pure penalty method
-    #[arg(long, value_name = "SPEC")]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
     ratio: Option<Axis>,
     /// Whose limit to show
     #[arg(long, value_name = "NAME", default_value = "spectrum")]
@@ -56,7 +56,8 @@ fn run(options: &Options) -> Result<Verdict> {
     let jobs = plan(options)?;
     let output = Output::prepare(&options.output, "stability-map")?;
     if options.output.explain {
-        jobs.iter().for_each(|job| print!("{}", job.explain(options.engine)));
+        let plan: String = jobs.iter().map(|job| job.explain(options.engine)).collect();
+        Output::print_text(&plan)?;
         return Ok(Verdict::Holds);
     }
     let (mut summaries, mut answers, mut printed, mut files) = (Vec::new(), Vec::new(), Vec::new(), 0);
@@ -118,7 +119,25 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         jobs
     };
     jobs.iter().flat_map(|job| &job.models).try_for_each(|model| model.check_engine(options.engine))?;
+    if options.output.stdout.is_none() {
+        check_stems(&jobs)?;
+    }
     Ok(jobs)
+}
+
+/// Refuses two jobs that would write the same files.
+fn check_stems(jobs: &[Job]) -> Result<()> {
+    let repeated =
+        jobs.iter().enumerate().find(|(i, job)| jobs[..*i].iter().any(|other| other.stem == job.stem));
+    match repeated {
+        None => Ok(()),
+        Some((_, job)) => Err(Refusal::new(
+            "SCENE, --mass",
+            format!("a second run that writes {}", job.stem),
+            "scenes of different names and different mass matrices, or --stdout",
+        )
+        .into()),
+    }
 }
 
 /// Draws the chart of a job from its rows; contour lines come from the secular equation, not from the grid.

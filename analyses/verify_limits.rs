@@ -5,7 +5,9 @@
 
 use std::process::ExitCode;
 
-use bipenalty::cli::{Output, OutputOptions, Progress, SceneOptions, Verdict, finish, print_table};
+use bipenalty::cli::{
+    Output, OutputOptions, Progress, SceneOptions, Verdict, checked_grid, finish, print_table,
+};
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::verify_charts;
 use bipenalty::record::{StabilityRow, VerifyRow};
@@ -56,7 +58,7 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<Verdict> {
-    let grid = Grid::new(&options.beta_s, &options.ratio)?;
+    let grid = checked_grid(&options.beta_s, &options.ratio)?;
     let jobs = plan(options, &grid)?;
     let output = Output::prepare(&options.output, "verify-limits")?;
     if options.output.explain {
@@ -74,7 +76,8 @@ fn run(options: &Options) -> Result<Verdict> {
         }
         files += output.write_rows(&job.stem, &rows.concat())?.len();
         if output.wants_figures() && grid.stiffness_penalties.len() > 1 {
-            let predicted: Result<Vec<_>> = job.models.iter().map(|model| prediction(model, options)).collect();
+            let predicted: Result<Vec<_>> =
+                job.models.iter().map(|model| prediction(model, options)).collect();
             let figure = verify_charts::limits(&predicted?, &rows, options.beta_s.log);
             files += output.write_figure(&job.stem, &figure)?.len();
         }
@@ -106,7 +109,8 @@ fn plan(options: &Options, grid: &Grid) -> Result<Vec<Job>> {
         }
         let search = Search::to(options.tolerance, *scheme)?;
         for (i, mass) in options.scene.mass.0.iter().enumerate() {
-            let models: Vec<Model> = scenes.iter().map(|scene| options.scene.models(scene).swap_remove(i)).collect();
+            let models: Vec<Model> =
+                scenes.iter().map(|scene| options.scene.models(scene).swap_remove(i)).collect();
             models.iter().try_for_each(|model| model.check_grid(grid))?;
             let names: Vec<&str> = scenes.iter().map(Scene::name).collect();
             let stem = format!("{}-{}-{}", names.join("-"), mass.name(), scheme.name());
@@ -125,7 +129,8 @@ fn measure(
     progress: &Progress,
 ) -> Result<Vec<VerifyRow>> {
     let engine = model.engine(EngineName::Auto, None);
-    let ratios = grid.ratios.iter().flat_map(|ratio| grid.stiffness_penalties.iter().map(move |b| (*ratio, *b)));
+    let ratios =
+        grid.ratios.iter().flat_map(|ratio| grid.stiffness_penalties.iter().map(move |b| (*ratio, *b)));
     let points: Vec<Point> =
         ratios.map(|(ratio, stiffness_penalty)| Point { stiffness_penalty, ratio }).collect();
     let row = |point: &Point| -> Result<VerifyRow> {
@@ -160,10 +165,12 @@ fn explain(job: &Job, grid: &Grid) -> String {
 }
 
 fn summarise(all: &[Vec<VerifyRow>]) {
-    let header = ["scene", "elements", "mass", "scheme", "points", "agree", "largest distance from the prediction"];
+    let header =
+        ["scene", "elements", "mass", "scheme", "points", "agree", "largest distance from the prediction"];
     let line = |rows: &Vec<VerifyRow>| {
         let first = &rows[0];
-        let distance = |row: &VerifyRow| (0.5 * (row.stable_at.0 + row.unstable_at.0) / row.predicted.0 - 1.0).abs();
+        let distance =
+            |row: &VerifyRow| (0.5 * (row.stable_at.0 + row.unstable_at.0) / row.predicted.0 - 1.0).abs();
         let agree = rows.iter().filter(|row| row.agrees).count();
         vec![
             first.scene.clone(),

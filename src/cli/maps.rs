@@ -66,7 +66,7 @@ impl Job {
     /// # Errors
     /// A grid that is empty, too large, or whose penalties leave the range of f64.
     pub fn new(stem: String, models: Vec<Model>, beta_s: Axis, ratio: Axis) -> Result<Self, Refusal> {
-        let grid = Grid::new(&beta_s, &ratio)?;
+        let grid = checked_grid(&beta_s, &ratio)?;
         for model in &models {
             model.check_grid(&grid)?;
         }
@@ -124,6 +124,21 @@ impl Job {
         }
         text
     }
+}
+
+/// The grid of two axes; a refusal goes by the options that the user typed.
+///
+/// # Errors
+/// See [`Grid::new`].
+pub fn checked_grid(beta_s: &Axis, ratio: &Axis) -> Result<Grid, Refusal> {
+    Grid::new(beta_s, ratio).map_err(|refusal| {
+        let place = match refusal.place.as_str() {
+            "beta_s" => "--beta-s",
+            "r" => "--ratio",
+            _ => "--beta-s, --ratio",
+        };
+        Refusal { place: place.to_owned(), ..refusal }
+    })
 }
 
 /// The figures of the paper, and the maps it leaves out: what `stability-map` does without a scene.

@@ -11,7 +11,7 @@ mod progress;
 mod summary;
 
 pub use impacts::{FinishedRun, PlannedRun, exact_energy, exact_force, execute};
-pub use maps::{Chart, Job, Solved, paper};
+pub use maps::{Chart, Job, Solved, checked_grid, paper};
 pub use options::{Format, Limit, OutputOptions, SceneOptions, StandardOutput};
 pub use output::Output;
 pub use progress::Progress;

@@ -1,13 +1,15 @@
 //! The flags that mean the same in every tool.
 
+use std::fmt::Display;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
 use crate::penalty::PenaltyMass;
-use crate::scene::{Scene, load};
+use crate::scene::{MAX_ELEMENTS, Scene, load};
 use crate::stability::Model;
 
 /// Which scenes, how finely meshed, with which mass.
@@ -17,10 +19,11 @@ pub struct SceneOptions {
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
     /// Elements of the first bar; the other bars keep their proportion
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = elements, allow_negative_numbers = true)]
     pub elements: Option<usize>,
     /// Mass matrices: lumped, averaged, consistent, or gamma in [0, 1]
-    #[arg(long, value_name = "LIST", default_value = "lumped,averaged,consistent", value_parser = masses)]
+    #[arg(long, value_name = "LIST", default_value = "lumped,averaged,consistent", value_parser = masses,
+        allow_negative_numbers = true)]
     pub mass: MassList,
     /// Form of the mass penalty M_p
     #[arg(long, value_name = "FORM", default_value = "consistent")]
@@ -47,6 +50,21 @@ impl From<PenaltyMassOption> for PenaltyMass {
             PenaltyMassOption::Diagonalised => Self::Diagonalised,
         }
     }
+}
+
+fn whole<N: FromStr + PartialOrd + Display>(text: &str, low: N, high: N) -> Result<N, Refusal> {
+    let number = text.trim().parse().ok().filter(|number| (&low..=&high).contains(&number));
+    number.ok_or_else(|| {
+        Refusal::new("whole number", format!("{text:?}"), format!("an integer from {low} to {high}"))
+    })
+}
+
+fn elements(text: &str) -> Result<usize, Refusal> {
+    whole(text, 1, MAX_ELEMENTS)
+}
+
+fn threads(text: &str) -> Result<u16, Refusal> {
+    whole(text, 1, 1024)
 }
 
 fn masses(text: &str) -> Result<MassList, Refusal> {
@@ -121,7 +139,7 @@ pub struct OutputOptions {
     #[arg(long, value_name = "FORMAT")]
     pub stdout: Option<StandardOutput>,
     /// Number of threads [default: all cores]; the results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<u16>,
     /// Say what would be computed, by what, and what the scene lets the run leave out; compute nothing
     #[arg(long)]

@@ -56,6 +56,14 @@ impl Output {
         self.stdout.is_some()
     }
 
+    /// Prints `text` on standard output.
+    ///
+    /// # Errors
+    /// A closed pipe.
+    pub fn print_text(text: &str) -> Result<()> {
+        print_bytes(text.as_bytes())
+    }
+
     /// Prints the rows of the whole run, if standard output was asked for.
     ///
     /// # Errors
@@ -66,9 +74,7 @@ impl Output {
             Some(StandardOutput::Csv) => record::csv(rows)?,
             Some(StandardOutput::Json) => record::json(&self.provenance, rows)?,
         };
-        let mut stdout = std::io::stdout().lock();
-        let written = stdout.write_all(&bytes).and_then(|()| stdout.flush());
-        written.map_err(|source| Error::File { path: "standard output".into(), wanted: "written", source })
+        print_bytes(&bytes)
     }
 
     /// Writes the rows as `stem.csv` and `stem.json`, as asked for.
@@ -123,6 +129,12 @@ impl Output {
             Err(source) => Err(Error::File { path, wanted: "written", source }),
         }
     }
+}
+
+fn print_bytes(bytes: &[u8]) -> Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
+    written.map_err(|source| Error::File { path: "standard output".into(), wanted: "written", source })
 }
 
 /// Asks the nearest existing directory above `directory` whether files can be made there.

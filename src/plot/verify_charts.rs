@@ -1,8 +1,8 @@
 //! Predicted limits as curves, the limits that stepping found as markers on them.
 
 use super::Figure;
-use super::charts::{curves, curves_of, style};
 use super::Layer;
+use super::charts::{curves, curves_of, style};
 use crate::record::{StabilityRow, VerifyRow};
 
 /// C_r over beta_s: `predicted` curves and `measured` points, one panel a model.
@@ -11,7 +11,8 @@ pub fn limits(predicted: &[Vec<StabilityRow>], measured: &[Vec<VerifyRow>], log:
     for ((panel, rows), predicted) in figure.panels.iter_mut().zip(measured).zip(predicted) {
         for (ratio, _) in curves_of(predicted) {
             let of_ratio = rows.iter().filter(|row| row.ratio.0 == ratio);
-            let point = |row: &VerifyRow| (row.stiffness_penalty.0, 0.5 * (row.stable_at.0 + row.unstable_at.0));
+            let point =
+                |row: &VerifyRow| (row.stiffness_penalty.0, 0.5 * (row.stable_at.0 + row.unstable_at.0));
             let points: Vec<_> = of_ratio.map(point).filter(|(beta_s, _)| !log || *beta_s > 0.0).collect();
             if !points.is_empty() {
                 panel.layers.push(Layer::Markers { points, label: None, style: style(ratio), joined: false });

@@ -42,7 +42,14 @@ pub struct VerifyRow {
 
 impl VerifyRow {
     /// The row of one point with contacts held closed.
-    pub fn new(model: &Model, scheme: Scheme, point: Point, predicted: f64, found: &Limit, tolerance: f64) -> Self {
+    pub fn new(
+        model: &Model,
+        scheme: Scheme,
+        point: Point,
+        predicted: f64,
+        found: &Limit,
+        tolerance: f64,
+    ) -> Self {
         Self {
             scene: model.scene().name().to_owned(),
             mass: model.mass().name(),

@@ -72,11 +72,7 @@ pub fn load(argument: &str) -> Result<Scene> {
 
 /// Reads a scene from TOML `text`; `path` is what messages call it.
 pub(super) fn parse(text: &str, path: &str) -> Result<Scene> {
-    let raw: SceneText = toml::from_str(text).map_err(|error| Error::SceneFile {
-        path: path.to_owned(),
-        line: line_of(text, error.span().map_or(0, |span| span.start)),
-        message: error.message().to_owned(),
-    })?;
+    let raw: SceneText = toml::from_str(text).map_err(|error| in_file(&error, text, path))?;
     let lines = Lines::of(&raw, text);
     let place = |key: &str| format!("{path}, line {}, {key}", lines.line(key));
     for (i, bar) in raw.bar.iter().enumerate() {
@@ -89,6 +85,15 @@ pub(super) fn parse(text: &str, path: &str) -> Result<Scene> {
     let scene = build(raw);
     scene.check(&place)?;
     Ok(scene)
+}
+
+/// The parser's words with the line they are about; a missing key has none.
+fn in_file(error: &toml::de::Error, text: &str, path: &str) -> Error {
+    let line = line_of(text, error.span().map_or(0, |span| span.start));
+    let words = error.message();
+    let quoted = text.lines().nth(line - 1).map(str::trim).filter(|_| !words.starts_with("missing"));
+    let message = quoted.map_or_else(|| words.to_owned(), |quoted| format!("`{quoted}`: {words}"));
+    Error::SceneFile { path: path.to_owned(), line, message }
 }
 
 fn build(raw: SceneText) -> Scene {

@@ -7,7 +7,7 @@
 //! EA/h [ -q  o ; o  -q ]     q = sqrt(w) coth(n theta)     o^2 = q^2 - w     w = L x y
 //! sinh^2(theta/2) = y/D      D = 1 + L x (1-g)/6           (y < 0: theta = i phi, inside the band)
 //! ```
-//! So stiffness a (in units of EA/h) at the left end becomes (a q - w)/(q - a) at the right end, and a single contact
+//! So stiffness a (in units of EA/h) at the left end becomes o^2/(q - a) - q at the right end, and a single contact
 //! obeys T(l) = c(l) = s - l m with T = w/q for a free far end and T = q for a fixed one (the secular equation
 //! 1 + c phi = 0 with phi = -1/T). Eliminating whole bars and counting signs is the algorithm of Wittrick and Williams
 //! (Q. J. Mech. Appl. Math. 24, 1971).
@@ -77,6 +77,21 @@ impl UniformBar {
         (z < std::f64::consts::PI).then(|| ((-w).sqrt() / z.tan(), w))
     }
 
+    /// o^2 = w/sinh^2(n theta), inside the band -w/sin^2(n phi).
+    fn coupling(&self, l: f64) -> f64 {
+        let y = (l - self.eigenvalue) / self.eigenvalue;
+        let x = l / self.eigenvalue;
+        let d = 1.0 + self.slope * x;
+        let w = self.factor * x * y;
+        if y == 0.0 {
+            return self.factor * d / (4.0 * self.elements * self.elements);
+        }
+        let angle = (y.abs() / d).sqrt();
+        let z = 2.0 * self.elements * if y > 0.0 { angle.asinh() } else { angle.min(1.0).asin() };
+        let sine = if y > 0.0 { z.sinh() } else { z.sin() };
+        (w / sine).abs() / sine.abs()
+    }
+
     /// T(l) = -1/phi(l) of the bar alone seen from one end, N/m; `far_fixed` tells what holds the other.
     /// `None` where the bar with that end held has an eigenvalue at or above l.
     #[inline]
@@ -107,13 +122,15 @@ impl UniformBar {
 
 impl Segment for UniformBar {
     fn condense(&self, l: f64, carried: f64) -> Option<f64> {
-        let (q, w) = self.ends(l)?;
+        let (q, _) = self.ends(l)?;
         let a = carried / self.stiffness;
         let end = match (self.left_fixed, self.right_fixed) {
             (true, true) => -1.0,
             (true, false) => -q,
             (false, true) => a - q,
-            (false, false) if a < q => (a * q - w) / (q - a),
+            // Not (a q - w)/(q - a): where two contacts a long bar apart have the same frequency, a = q to rounding,
+            // and only o^2, formed without the difference q^2 - w, still tells the two modes from each other.
+            (false, false) if a < q => self.coupling(l) / (q - a) - q,
             (false, false) => return None,
         };
         Some(self.stiffness * end)

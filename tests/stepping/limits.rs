@@ -20,7 +20,7 @@ fn model(scene: &str, elements: usize, mass: MassMatrix) -> Model {
 
 fn predicted(model: &Model, point: Point) -> f64 {
     let pencil = model.pencil();
-    let engine = model.engine(EngineName::ClosedForm, &pencil);
+    let engine = model.engine(EngineName::ClosedForm, Some(&pencil));
     let penalties = model.penalties(point.stiffness_penalty, point.ratio);
     model.critical_courant(engine.estimate(&penalties, None))
 }

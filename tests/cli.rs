@@ -1,0 +1,253 @@
+//! The tool as its users meet it: options, records, messages, exit status.
+
+#[path = "common/tool.rs"]
+mod tool;
+
+use std::collections::BTreeSet;
+use std::io::Read;
+use std::process::{Command, Stdio};
+
+use tool::{Scratch, TOOL, run};
+
+const HEADER: &str = "scene,mass,gamma,elements,limit,stiffness_penalty,ratio,omega_max,critical_courant,lower,\
+                      upper,engine";
+
+/// The fields of each row of a CSV without quoted commas.
+fn rows(csv: &str) -> Vec<Vec<&str>> {
+    csv.lines().skip(1).map(|line| line.split(',').collect()).collect()
+}
+
+fn number(field: &str) -> f64 {
+    field.parse().unwrap_or_else(|_| panic!("{field:?} is not a number"))
+}
+
+#[test]
+fn the_promised_point_is_right_by_every_engine() {
+    let scratch = Scratch::new("promised");
+    let command = "signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv";
+    for engine in ["auto", "closed-form", "secular", "sturm", "dense"] {
+        let arguments = format!("{command} --engine {engine}");
+        let csv =
+            if engine == "auto" { run(&scratch, command) } else { run(&scratch, &arguments) }.succeeded();
+        assert_eq!(csv.lines().next().unwrap(), HEADER);
+        let row = &rows(&csv)[0];
+        assert_eq!(row[..7], ["signorini", "lumped", "1.0", "200", "spectrum", "10.0", "2.0"]);
+        let (courant, lower, upper) = (number(row[8]), number(row[9]), number(row[10]));
+        assert!((courant - 0.7891948863055671).abs() <= 1e-14, "{engine}: {courant}");
+        assert!(
+            lower <= 0.7891948863055671 && 0.7891948863055671 <= upper && upper - lower <= 1e-13,
+            "{row:?}"
+        );
+        // h = 10/200 and c0 = 100: omega = 2 c0/h/C_r, to the three roundings of this line.
+        assert!((number(row[7]) * courant / 4000.0 - 1.0).abs() <= 2.0 * f64::EPSILON, "{row:?}");
+        assert_eq!(row[11], if engine == "auto" { "closed-form" } else { engine });
+    }
+    assert_eq!(scratch.files(), Vec::<String>::new());
+}
+
+#[test]
+fn rows_come_curve_by_curve_and_read_back() {
+    let scratch = Scratch::new("rows");
+    let command = "symmetric hunek --mass consistent,0.3 --beta-s 1e-3,0.1,1e12 --ratio inf,3,0.7 --stdout";
+    let csv = run(&scratch, &format!("{command} csv --quiet")).succeeded();
+    let found = rows(&csv);
+    assert_eq!(found.len(), 2 * 2 * 3 * 3);
+    let mut expected = Vec::new();
+    for scene in ["symmetric", "hunek"] {
+        for mass in ["consistent", "0.3"] {
+            for ratio in ["inf", "3.0", "0.7"] {
+                expected.extend([1e-3, 0.1, 1e12].map(|beta_s| (scene, mass, ratio, beta_s)));
+            }
+        }
+    }
+    let seen: Vec<_> = found.iter().map(|row| (row[0], row[1], row[6], number(row[5]))).collect();
+    assert_eq!(seen, expected);
+    let json = run(&scratch, &format!("{command} json --quiet")).succeeded();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let read = |value: &serde_json::Value| match value {
+        serde_json::Value::String(text) => number(text),
+        other => other.as_f64().unwrap(),
+    };
+    for (row, object) in found.iter().zip(json["rows"].as_array().unwrap()) {
+        for (i, name) in HEADER.split(',').enumerate() {
+            match name {
+                "scene" | "mass" | "limit" | "engine" => assert_eq!(row[i], object[name].as_str().unwrap()),
+                // Bit for bit the same number from both.
+                _ => assert_eq!(number(row[i]).to_bits(), read(&object[name]).to_bits(), "{name}"),
+            }
+        }
+        assert!(number(row[9]) <= number(row[8]) && number(row[8]) <= number(row[10]));
+    }
+    let provenance = json["provenance"].to_string();
+    assert!(provenance.contains("bipenalty") && !provenance.contains('/'), "{provenance}");
+}
+
+#[test]
+fn the_number_of_threads_changes_no_byte() {
+    let command = "signorini three.toml --mass averaged,lumped --beta-s log:1e-3:1e12:150 --ratio log:0.1:1e3:40 \
+                   --format svg,png,csv,json --out out --quiet --threads";
+    let written = ["1", "2"].map(|threads| {
+        let scratch = Scratch::new(&format!("threads-{threads}"));
+        scratch.three_bars();
+        let out = run(&scratch, &format!("{command} {threads}"));
+        assert_eq!(out.succeeded(), "");
+        let names = scratch.files();
+        assert_eq!(names.len(), 2 * 2 * 4, "{names:?}");
+        names.into_iter().map(|name| (scratch.read(&name), name)).collect::<Vec<_>>()
+    });
+    assert!(written[0] == written[1]);
+    let starts = |ending: &str, magic: &[u8]| {
+        let of_kind = written[0].iter().filter(|(_, name)| name.ends_with(ending));
+        of_kind.filter(|(bytes, _)| bytes.starts_with(magic)).count()
+    };
+    assert_eq!((starts("png", b"\x89PNG"), starts("csv", HEADER.as_bytes())), (4, 4));
+    assert_eq!((starts("svg", b"<"), starts("json", b"{")), (4, 4));
+}
+
+#[test]
+fn only_what_is_asked_for_is_written() {
+    let scratch = Scratch::new("formats");
+    run(&scratch, "symmetric --mass lumped --beta-s lin:0:10:11 --format pdf,json --out a/b").succeeded();
+    assert_eq!(scratch.files(), ["a/b/symmetric-lumped.json", "a/b/symmetric-lumped.pdf"]);
+    assert!(scratch.read("a/b/symmetric-lumped.pdf").starts_with(b"%PDF"));
+    let json: serde_json::Value = serde_json::from_slice(&scratch.read("a/b/symmetric-lumped.json")).unwrap();
+    assert_eq!(json["rows"].as_array().unwrap().len(), 11 * 5);
+    // Without --out: figures/<tool>.
+    run(&scratch, "signorini --mass 0.3 --beta-s 1 --ratio 1 --format csv").succeeded();
+    assert!(scratch.files().contains(&"figures/stability-map/signorini-0.3.csv".to_owned()));
+}
+
+#[test]
+fn the_other_options_do_what_they_say() {
+    let scratch = Scratch::new("options");
+    let point = "symmetric --mass lumped --beta-s 5 --ratio 0.5 --stdout csv";
+    let consistent = run(&scratch, &format!("{point} --penalty-mass consistent")).succeeded();
+    let diagonalised = run(&scratch, &format!("{point} --penalty-mass diagonalised")).succeeded();
+    assert_ne!(rows(&consistent)[0][8], rows(&diagonalised)[0][8]);
+    let other = run(&scratch, &format!("{point} --limit central-difference")).succeeded();
+    assert_eq!(rows(&other)[0][4], "central-difference");
+    assert_eq!(rows(&other)[0][7], "", "omega_max is the spectrum's alone");
+    assert_eq!(rows(&other)[0][8], rows(&consistent)[0][8]);
+    let version = run(&scratch, "--version").succeeded();
+    assert!(version.contains(env!("CARGO_PKG_VERSION")), "{version}");
+    // Elements of the first bar; the second keeps its proportion of two to one.
+    let remeshed =
+        run(&scratch, "hunek --elements 3 --beta-s 1 --ratio 1 --mass lumped --stdout csv").succeeded();
+    assert_eq!(rows(&remeshed)[0][3], "9");
+}
+
+#[test]
+fn explain_computes_and_writes_nothing() {
+    let scratch = Scratch::new("explain");
+    // A map that would take days by this engine.
+    let days =
+        "signorini --elements 10000000 --engine sturm --beta-s lin:0:10:10000 --ratio lin:1:2:1000 --explain";
+    let text = run(&scratch, days).succeeded();
+    assert!(text.contains("sturm") && text.contains("10000 x 1000 points"), "{text}");
+    let text = run(&scratch, "--explain").succeeded();
+    assert!(
+        text.contains("fig3-1-lumped") && text.contains("closed-form") && text.contains("left out"),
+        "{text}"
+    );
+    assert_eq!(scratch.files(), Vec::<String>::new());
+}
+
+#[test]
+fn quiet_is_silent_and_loud_answers_the_question() {
+    let scratch = Scratch::new("quiet");
+    let point = "hunek --mass lumped --beta-s 10 --ratio 1 --stdout csv";
+    for quiet in ["--quiet", "-q"] {
+        let out = run(&scratch, &format!("{point} {quiet}"));
+        assert_eq!(out.stderr, "");
+        out.succeeded();
+    }
+    let loud = run(&scratch, point);
+    // h = 0.2 and c0 = 100, so dt = 2e-3 s, less the margin of the enclosure.
+    assert!(loud.stderr.contains("stable up to dt = 1.99999999999"), "{}", loud.stderr);
+}
+
+#[test]
+fn a_reader_that_stops_early_is_no_error() {
+    let many = "signorini --beta-s log:1e-3:1e12:20000 --stdout csv --quiet";
+    for arguments in [many, "--explain", "signorini --explain"] {
+        let mut child = Command::new(TOOL)
+            .args(arguments.split(' '))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        if arguments == many {
+            let mut first = [0; 5];
+            child.stdout.as_mut().unwrap().read_exact(&mut first).unwrap();
+            assert_eq!(&first, b"scene");
+        }
+        drop(child.stdout.take());
+        let out = child.wait_with_output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&out.stderr), "", "{arguments}");
+        assert_eq!(out.status.code(), Some(0), "{arguments}");
+    }
+}
+
+/// 300 decades, lists out of order and with repetition, a path with a space, odd names: legal, if unusual.
+#[test]
+fn odd_but_legal_input_is_computed() {
+    let scratch = Scratch::new("odd folder");
+    scratch.three_bars();
+    let stdout = "--mass lumped --stdout csv --quiet";
+    let count = |arguments: &str| rows(&run(&scratch, &format!("{arguments} {stdout}")).succeeded()).len();
+    assert_eq!(count("signorini --beta-s log:1e-300:1e290:50 --ratio 1"), 50);
+    assert_eq!(count("signorini --beta-s 3,1,1,0 --ratio 2,inf,2,0.5"), 16);
+    assert_eq!(count("signorini --elements 1000000 --beta-s 1 --ratio 2"), 1);
+    assert_eq!(count("signorini signorini --beta-s 1 --ratio 2"), 2);
+    scratch.write(
+        "two words.toml",
+        &tool::scene("A-1", "left = \"fixed\"\nright = \"wall\"", &["elements = 1"]),
+    );
+    let out = Command::new(TOOL)
+        .args(["two words.toml", "--beta-s", "1", "--ratio", "1", "--stdout", "csv", "--mass", "lumped"])
+        .current_dir(scratch.path())
+        .output()
+        .unwrap();
+    assert_eq!(out.status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&out.stdout).contains("A-1,lumped,1.0,1,"));
+    assert_eq!(count("three.toml --beta-s 1 --ratio 1"), 1);
+    // A scene without any contact: the penalties act on nothing.
+    scratch.write("alone.toml", &tool::scene("alone", "", &["elements = 4"]));
+    assert_eq!(count("alone.toml --beta-s 0,1e16 --ratio 0.1,inf"), 4);
+}
+
+/// What a heavy penalty mass leaves uncertified is an error row and status 1, never a silent number.
+#[test]
+fn what_cannot_be_certified_is_an_error_row() {
+    let scratch = Scratch::new("uncertified");
+    scratch.write(
+        "pinned.toml",
+        &tool::scene("pinned", "left = \"fixed\"\nright = \"wall\"", &["elements = 1"]),
+    );
+    // One node under 1e7 times its own mass, far below what the rounding of its stiffness allows to certify.
+    let out = run(&scratch, "pinned.toml --mass lumped --beta-s 1 --ratio 1e-7 --stdout csv");
+    let row = out.stdout.lines().nth(1).unwrap();
+    if out.status == 1 {
+        assert!(row.ends_with(",,,,\"closed-form, not certified\""), "{row}");
+        assert!(out.stderr.contains("not certified"), "{}", out.stderr);
+    } else {
+        assert_eq!(out.status, 0);
+        assert!(number(row.split(',').nth(8).unwrap()) > 0.0, "{row}");
+    }
+}
+
+/// Every option in --help is used by a command of this file or of the file of refusals.
+#[test]
+fn every_option_is_exercised() {
+    let help = run(&Scratch::new("help"), "--help").succeeded();
+    let options: BTreeSet<&str> = help
+        .split(|c: char| c.is_whitespace() || c == ',')
+        .filter(|word| word.starts_with("--") && word.len() > 2)
+        .collect();
+    assert!(options.len() >= 14, "{options:?}");
+    let sources = concat!(include_str!("cli.rs"), include_str!("cli_refusals.rs"));
+    let used =
+        |option: &&str| sources.contains(&format!("{option} ")) || sources.contains(&format!("{option}\""));
+    let unused: Vec<_> = options.iter().filter(|option| !used(option)).collect();
+    assert!(unused.is_empty(), "no test uses {unused:?}");
+}
