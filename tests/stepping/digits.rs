@@ -126,7 +126,7 @@ fn force_and_gap_keep_ten_digits_at_the_largest_penalties() {
     let elements = 12;
     for scheme in [Scheme::CentralDifference, Scheme::PredictorCorrector] {
         for beta_s in [1e12, 1e16] {
-            for c in [0.3, 0.45, 0.4999, 0.7] {
+            for c in [0.3, 0.45, 0.499_999_999_9, 0.7] {
                 if scheme == Scheme::PredictorCorrector && c > 0.5 {
                     continue;
                 }
