@@ -1,5 +1,8 @@
 //! Bad input: exit status 2, one message that names the place, the value and what is allowed, and nothing written.
 
+// A helper that cannot go on fails its test.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "common/tool.rs"]
 mod tool;
 
