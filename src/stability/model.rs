@@ -24,7 +24,7 @@ pub enum EngineName {
     Sturm,
     /// The dense reduction with faer.
     Dense,
-    /// LAPACK's `dsygvx` on the same dense pencil.
+    /// The same dense reduction with LAPACK.
     #[cfg(feature = "lapack")]
     Lapack,
 }
