@@ -4,16 +4,17 @@
 //! solutions (-1)^j e^(+-j theta), and its ends, everything between eliminated, have the dynamic stiffness
 //!
 //! ```text
-//! EA/h [ -q  o ; o  -q ]     q = sqrt(w) coth(n theta)     o^2 = q^2 - w     w = L x y
+//! EA/h [ -q  o ; o  -q ]     q = sqrt(w) coth(n theta)     o = sqrt(w)/sinh(n theta)     w = L x y
 //! sinh^2(theta/2) = y/D      D = 1 + L x (1-g)/6           (y < 0: theta = i phi, inside the band)
 //! ```
-//! So stiffness a (in units of EA/h) at the left end becomes (a q - w)/(q - a) at the right end, and a single contact
+//! So stiffness a (in units of EA/h) at the left end becomes o^2/(q - a) - q at the right end, with o^2 from its own
+//! formula: q^2 - w would lose it on a long bar, and with it the gap between two contact modes. A single contact
 //! obeys T(l) = c(l) = s - l m with T = w/q for a free far end and T = q for a fixed one (the secular equation
 //! 1 + c phi = 0 with phi = -1/T). Eliminating whole bars and counting signs is the algorithm of Wittrick and Williams
 //! (Q. J. Mech. Appl. Math. 24, 1971).
 
-use crate::fem::MassMatrix;
-use crate::pencil::Penalty;
+use crate::fem::{MassMatrix, assemble_shortened};
+use crate::pencil::{Penalty, Pencil};
 use crate::scene::{Bar, End, Scene};
 use crate::spectrum::{
     Chain, Enclosure, Engine, Segment, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
@@ -35,6 +36,8 @@ pub struct UniformBar {
     factor: f64,
     /// L (1-g)/6, the slope of D.
     slope: f64,
+    /// L (2+g)/6, the diagonal of the element mass.
+    diagonal: f64,
     /// rho h A, kg.
     element_mass: f64,
     left_fixed: bool,
@@ -51,37 +54,44 @@ impl UniformBar {
             elements: bar.elements as f64,
             factor,
             slope: factor * mass.entries().1,
+            diagonal: factor * mass.entries().0,
             element_mass: bar.element_mass(),
             left_fixed,
             right_fixed,
         }
     }
 
-    /// q and w of the module head at l, dimensionless; `None` where the bar with both ends held has an eigenvalue
-    /// at or above l.
+    /// q, o and w of the module head at l, dimensionless; `None` where the bar with both ends held has an
+    /// eigenvalue at or above l.
     #[inline]
-    fn ends(&self, l: f64) -> Option<(f64, f64)> {
+    fn ends(&self, l: f64) -> Option<Ends> {
         let y = (l - self.eigenvalue) / self.eigenvalue;
         let x = l / self.eigenvalue;
         let d = 1.0 + self.slope * x;
         let w = self.factor * x * y;
+        if self.elements == 1.0 {
+            // One element by its matrix: far below omega_e its angle nears pi, where the cotangent loses all digits.
+            return Some(Ends { q: self.diagonal * x - 1.0, o: Coupling::Element(d), w });
+        }
         if y > 0.0 {
             let z = 2.0 * self.elements * (y / d).sqrt().asinh();
             let root = w.sqrt();
-            return Some((if z > SATURATION { root } else { root / z.tanh() }, w));
+            let q = if z > SATURATION { root } else { root / z.tanh() };
+            return Some(Ends { q, o: Coupling::Above(z), w });
         }
         if y == 0.0 {
-            return Some(((self.factor * d).sqrt() / (2.0 * self.elements), 0.0));
+            let q = (self.factor * d).sqrt() / (2.0 * self.elements);
+            return Some(Ends { q, o: Coupling::Element(q), w });
         }
         let z = 2.0 * self.elements * (-y / d).sqrt().min(1.0).asin();
-        (z < std::f64::consts::PI).then(|| ((-w).sqrt() / z.tan(), w))
+        (z < std::f64::consts::PI).then(|| Ends { q: (-w).sqrt() / z.tan(), o: Coupling::Within(z), w })
     }
 
     /// T(l) = -1/phi(l) of the bar alone seen from one end, N/m; `far_fixed` tells what holds the other.
     /// `None` where the bar with that end held has an eigenvalue at or above l.
     #[inline]
     fn seen_from_contact(&self, l: f64, far_fixed: bool) -> Option<f64> {
-        let (q, w) = self.ends(l)?;
+        let Ends { q, w, .. } = self.ends(l)?;
         match far_fixed {
             true => Some(self.stiffness * q),
             false => (q > 0.0).then(|| self.stiffness * (w / q)),
@@ -95,15 +105,46 @@ impl UniformBar {
     }
 }
 
+/// The ends of a bar at one l, everything between eliminated.
+#[derive(Debug, Clone, Copy)]
+struct Ends {
+    q: f64,
+    o: Coupling,
+    w: f64,
+}
+
+/// What o of the module head follows from; only a row of bars needs it.
+#[derive(Debug, Clone, Copy)]
+enum Coupling {
+    /// o itself.
+    Element(f64),
+    /// n theta, above the band.
+    Above(f64),
+    /// n phi, inside the band.
+    Within(f64),
+}
+
+impl Ends {
+    /// o^2, which underflows to 0 on a very long bar.
+    fn coupling_squared(&self) -> f64 {
+        match self.o {
+            Coupling::Element(o) => o * o,
+            Coupling::Above(z) => self.w / z.sinh().powi(2),
+            Coupling::Within(z) => -self.w / z.sin().powi(2),
+        }
+    }
+}
+
 impl Segment for UniformBar {
     fn condense(&self, l: f64, carried: f64) -> Option<f64> {
-        let (q, w) = self.ends(l)?;
+        let ends = self.ends(l)?;
+        let q = ends.q;
         let a = carried / self.stiffness;
         let end = match (self.left_fixed, self.right_fixed) {
             (true, true) => -1.0,
             (true, false) => -q,
             (false, true) => a - q,
-            (false, false) if a < q => (a * q - w) / (q - a),
+            (false, false) if a < q => ends.coupling_squared() / (q - a) - q,
             (false, false) => return None,
         };
         Some(self.stiffness * end)
@@ -129,6 +170,8 @@ pub struct ClosedForm {
     element_bound: f64,
     lower_bound: f64,
     compliance: Vec<f64>,
+    /// The pencil of short bars, for the bound of the stiffness.
+    shortened: Pencil,
 }
 
 impl ClosedForm {
@@ -149,6 +192,7 @@ impl ClosedForm {
             element_bound,
             lower_bound: chain.segments.iter().map(node).fold(0.0, f64::max),
             compliance: compliance_bounds(&chain, mass),
+            shortened: assemble_shortened(scene, mass),
             chain,
         }
     }
@@ -178,7 +222,7 @@ impl ClosedForm {
     /// relative error of T, which shifts the root by no more than itself because T' l >= |T|; the stored entries of
     /// the pencil differ from EA/h and rho h A by 4 more.
     fn backward_error(&self, penalties: &[Penalty], l: f64) -> f64 {
-        28.0 * UNIT_ROUNDOFF * (1.0 + (self.element_bound + self.contact_bound(penalties)) / l)
+        28.0 * UNIT_ROUNDOFF * (1.0 + (self.shortened.stiffness_bound(penalties) + self.contact_bound(penalties)) / l)
     }
 
     /// The sign function of the spectrum: negative where an eigenvalue lies at or above l.
