@@ -6,7 +6,7 @@ use lapack::{dsbgvx, dsygvx};
 use nalgebra::DMatrix;
 use nalgebra_lapack::{Cholesky, SymmetricEigen};
 
-use super::dense::in_gap_coordinates;
+use super::dense::{in_gap_coordinates, with_gaps_last};
 use super::{Enclosure, Engine, Sturm, Uncertified, WIDEST_ENCLOSURE};
 use crate::pencil::{Penalty, Pencil};
 
@@ -30,9 +30,9 @@ impl Engine for Lapack<'_> {
     }
 
     fn estimate(&self, penalties: &[Penalty], _start: Option<f64>) -> f64 {
-        let (k, m) = gap_matrices(self.pencil, penalties);
+        let (k, m) = with_gaps_last(self.pencil, penalties);
         // Without a factor or without convergence there is no value: NaN, which no certificate accepts.
-        largest(k, m).unwrap_or(f64::NAN)
+        largest(columns(k), columns(m)).unwrap_or(f64::NAN)
     }
 
     fn enclose(&self, penalties: &[Penalty], _start: Option<f64>) -> Result<Enclosure, Uncertified> {
@@ -41,9 +41,12 @@ impl Engine for Lapack<'_> {
     }
 }
 
-/// K + K_p and M + M_p, dense n x n, in gap coordinates (the gap is a node of its own).
+fn columns(a: Mat<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)])
+}
+
+/// K + K_p and M + M_p, dense n x n, in gap coordinates (the gap is a node of its own), in the order of the row.
 pub fn gap_matrices(pencil: &Pencil, penalties: &[Penalty]) -> (DMatrix<f64>, DMatrix<f64>) {
-    let columns = |a: Mat<f64>| DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)]);
     let (k, m) = in_gap_coordinates(pencil, penalties);
     (columns(k), columns(m))
 }
