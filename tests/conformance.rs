@@ -3,6 +3,9 @@
 //! The judge is bisection on the sign of the pivots, whose enclosure is proven. An engine's value must lie in it,
 //! widened by the accuracy the engine states here, and the two enclosures must meet.
 
+// The helpers of a test fail by panicking, like the test.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::scene::{BUILT_IN, Bar, End, Scene, built_in};
@@ -77,14 +80,7 @@ fn reference_scenes_over_the_penalties() -> Vec<Case> {
 }
 
 fn unit_bar(elements: usize) -> Bar {
-    Bar {
-        length: elements as f64,
-        elements,
-        youngs_modulus: 1.0,
-        density: 1.0,
-        area: 1.0,
-        velocity: 0.0,
-    }
+    Bar { length: elements as f64, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 }
 }
 
 /// Free, fixed and wall at either end of one to four bars; fewer penalties, thinned in turn.
@@ -95,7 +91,8 @@ fn every_pair_of_ends() -> Vec<Case> {
     for (left, right) in ends.into_iter().flat_map(|left| ends.map(|right| (left, right))) {
         for bars in 1..=4 {
             for elements in ELEMENTS {
-                let row = (0..bars).map(|i| unit_bar(if i % 2 == 0 { elements } else { elements.div_ceil(2) }));
+                let row =
+                    (0..bars).map(|i| unit_bar(if i % 2 == 0 { elements } else { elements.div_ceil(2) }));
                 // A single element between fixed ends has no node to move.
                 let Ok(scene) = Scene::new("row", left, row.collect(), right, None) else { continue };
                 let gamma = GAMMAS[random.below(GAMMAS.len())];

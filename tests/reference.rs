@@ -1,6 +1,9 @@
 //! Every engine against the 80-digit values of `tests/data/critical_courant.csv`, made by Sturm bisection in
 //! extended precision (`tests/data/README.md`): bars of unit elements, three scenes, three mass matrices.
 
+// The helpers of a test fail by panicking, like the test.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::scene::{Bar, End, Impact, Scene};
