@@ -138,6 +138,12 @@ impl Model {
         self.scales.iter().map(|scale| scale.penalty(beta_s, ratio, self.form)).collect()
     }
 
+    /// As [`Model::penalties`] into a buffer: a map needs them at every point.
+    pub fn set_penalties(&self, penalties: &mut Vec<Penalty>, beta_s: StiffnessPenalty, ratio: Ratio) {
+        penalties.clear();
+        penalties.extend(self.scales.iter().map(|scale| scale.penalty(beta_s, ratio, self.form)));
+    }
+
     /// Refuses penalties that f64 cannot hold.
     ///
     /// # Errors

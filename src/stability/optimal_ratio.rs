@@ -73,9 +73,7 @@ pub fn optimal_ratio(
         Ok(Ok(l)) => l.lower > free.upper,
         _ => false,
     };
-    if let Err(error) = penalised(Ratio::OPTIMAL) {
-        return Err(error);
-    }
+    penalised(Ratio::OPTIMAL)?;
     if !costs(LARGEST_RATIO) {
         return Ok(None);
     }
