@@ -1,4 +1,5 @@
-//! Hands the git revision to the records; a crate built outside a checkout says "unknown".
+//! Hands the git revision to the records; a crate built outside a checkout says "unknown". With the feature `lapack`
+//! it links the system's OpenBLAS, which brings LAPACK.
 
 use std::process::Command;
 
@@ -13,4 +14,7 @@ fn main() {
     println!("cargo:rustc-env=BIPENALTY_REVISION={revision}");
     println!("cargo:rerun-if-changed=.git/HEAD");
     println!("cargo:rerun-if-changed=.git/index");
+    if std::env::var_os("CARGO_FEATURE_LAPACK").is_some() {
+        println!("cargo:rustc-link-lib=dylib=openblas");
+    }
 }

@@ -102,5 +102,11 @@ fn closed_form_reproduces_the_80_digit_values() {
 
 #[test]
 fn dense_reproduces_the_80_digit_values() {
-    check(EngineName::Dense, 1e-13);
+    check(EngineName::Dense, 1e-14);
+}
+
+#[cfg(feature = "lapack")]
+#[test]
+fn lapack_reproduces_the_80_digit_values() {
+    check(EngineName::Lapack, 1e-14);
 }

@@ -73,6 +73,16 @@ impl MassMatrix {
 ///
 /// The nodes run from left to right, bar after bar; a fixed end has no node.
 pub fn assemble(scene: &Scene, mass: MassMatrix) -> Pencil {
+    assemble_up_to(usize::MAX, scene, mass)
+}
+
+/// The pencil of the same scene with at most four elements of the same length in a bar: it has every entry of the
+/// whole one, and its [`Pencil::stiffness_bound`].
+pub fn assemble_shortened(scene: &Scene, mass: MassMatrix) -> Pencil {
+    assemble_up_to(4, scene, mass)
+}
+
+fn assemble_up_to(most_elements: usize, scene: &Scene, mass: MassMatrix) -> Pencil {
     let mut stiffness = Tridiagonal::default();
     let mut inertia = Tridiagonal::default();
     let last = scene.bars().len() - 1;
@@ -80,8 +90,9 @@ pub fn assemble(scene: &Scene, mass: MassMatrix) -> Pencil {
     for (i, bar) in scene.bars().iter().enumerate() {
         let fixed = (i == 0 && scene.left() == End::Fixed, i == last && scene.right() == End::Fixed);
         let first_node = stiffness.diagonal.len();
-        append_bar(&mut stiffness, bar, bar.element_stiffness(), (1.0, -1.0), fixed);
-        append_bar(&mut inertia, bar, bar.element_mass(), mass.entries(), fixed);
+        let nodes = bar.elements.min(most_elements) + 1;
+        append_bar(&mut stiffness, nodes, bar.element_stiffness(), (1.0, -1.0), fixed);
+        append_bar(&mut inertia, nodes, bar.element_mass(), mass.entries(), fixed);
         bar_ends.push((first_node, stiffness.diagonal.len() - 1));
     }
     let gaps = scene.contact_sites().into_iter().map(|site| match site {
@@ -93,11 +104,10 @@ pub fn assemble(scene: &Scene, mass: MassMatrix) -> Pencil {
     Pencil::new(stiffness, inertia, gaps.collect(), element_bound)
 }
 
-/// Appends the assembled matrix of one bar; `entries` are the diagonal and off-diagonal entry of its element
+/// Appends the assembled matrix of one bar of `nodes`; `entries` are the diagonal and off-diagonal entry of its element
 /// matrix in units of `unit`, `fixed` says which ends have no node.
-fn append_bar(matrix: &mut Tridiagonal, bar: &Bar, unit: f64, entries: (f64, f64), fixed: (bool, bool)) {
+fn append_bar(matrix: &mut Tridiagonal, nodes: usize, unit: f64, entries: (f64, f64), fixed: (bool, bool)) {
     let (end, inner, off) = (entries.0 * unit, 2.0 * (entries.0 * unit), entries.1 * unit);
-    let nodes = bar.elements + 1;
     let range = usize::from(fixed.0)..nodes - usize::from(fixed.1);
     if !matrix.diagonal.is_empty() {
         matrix.off_diagonal.push(0.0);

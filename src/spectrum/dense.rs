@@ -35,7 +35,7 @@ impl Engine for Dense<'_> {
     }
 
     fn estimate(&self, penalties: &[Penalty], _start: Option<f64>) -> f64 {
-        let (k, m) = in_gap_coordinates(self.pencil, penalties);
+        let (k, m) = with_gaps_last(self.pencil, penalties);
         // Without a factor or without convergence there is no value: NaN, which no certificate accepts.
         largest(k, &m).unwrap_or(f64::NAN)
     }
@@ -80,6 +80,18 @@ fn eliminated(gap: &Gap, pencil: &Pencil) -> usize {
         Gap::Pair { left } if mass[left] <= mass[left + 1] => left,
         Gap::Pair { left } => left + 1,
     }
+}
+
+/// As [`in_gap_coordinates`], with the gaps behind all other nodes. The tridiagonal reduction carries a gap that it
+/// meets on its way, nearly decoupled by its penalties, past every later node, at a unit of rounding of l_max each;
+/// at the end it stays where it is.
+pub fn with_gaps_last(pencil: &Pencil, penalties: &[Penalty]) -> (Mat<f64>, Mat<f64>) {
+    let gaps: Vec<usize> = pencil.gaps().iter().map(|gap| eliminated(gap, pencil)).collect();
+    let others = (0..pencil.size()).filter(|node| !gaps.contains(node));
+    let order: Vec<usize> = others.chain(gaps.iter().copied()).collect();
+    let ordered = |a: Mat<f64>| Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(order[i], order[j])]);
+    let (k, m) = in_gap_coordinates(pencil, penalties);
+    (ordered(k), ordered(m))
 }
 
 /// The congruence u_node = u_kept +- q: row and column `node` are added to row and column `kept`. The sign of q only

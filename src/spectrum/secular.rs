@@ -32,6 +32,9 @@ const DEGREE: usize = 25;
 /// extreme penalties lead). Outside, T is evaluated directly.
 const FIRST_OCTAVE: i32 = -40;
 const OCTAVES: usize = 100;
+/// Below this z a root is placed between neighbours of a lattice of z, 2^-46 apart.
+const NEAREST: f64 = 1.0 / (1u64 << 40) as f64;
+const LATTICE: usize = 64;
 
 /// The engine `secular`: 26 eliminations of n rows for each octave a map touches, then O(1) a point. Several contacts
 /// are handled by the determinant of the row of contacts, evaluated directly.
@@ -95,12 +98,15 @@ struct Compressed<'a> {
     /// p, the last pole of T.
     pole: f64,
     octaves: Vec<OnceLock<[f64; DEGREE + 1]>>,
+    /// T on the lattice next to the pole.
+    near_pole: Vec<OnceLock<f64>>,
 }
 
 impl<'a> Compressed<'a> {
     fn new(pencil: &Pencil, chain: Chain<Rows<'a>>) -> Self {
         let octaves = (0..OCTAVES).map(|_| OnceLock::new()).collect();
-        let mut function = Self { chain, pole: 0.0, octaves };
+        let near_pole = (0..=LATTICE).map(|_| OnceLock::new()).collect();
+        let mut function = Self { chain, pole: 0.0, octaves, near_pole };
         let high = pencil.element_bound() * (1.0 + 64.0 * f64::EPSILON);
         // Without an interior node there is no pole: T is defined for every l > 0.
         if function.direct(f64::MIN_POSITIVE).is_none() {
@@ -149,8 +155,8 @@ impl<'a> Compressed<'a> {
         // Octave by octave towards the pole, so that the interpolation starts from a finite bracket.
         let mut f_low = f64::NEG_INFINITY;
         let mut f_high = excess(high);
-        while low == 0.0 && high > f64::EPSILON {
-            let z = high * 0.125;
+        while low == 0.0 && high > NEAREST {
+            let z = (high * 0.125).max(NEAREST);
             let value = excess(z);
             if value < 0.0 {
                 (low, f_low) = (z, value);
@@ -159,11 +165,29 @@ impl<'a> Compressed<'a> {
             }
         }
         if low == 0.0 {
-            return (self.pole, self.pole + self.pole * high);
+            return self.root_at_the_pole(penalty);
         }
         let tolerance = 2.0 * f64::EPSILON * (1.0 + 1.0 / high);
         let (low, high) = find_sign_change((low, f_low), (high, f_high), tolerance, excess);
         (self.pole + self.pole * low, self.pole + self.pole * high)
+    }
+}
+
+impl Compressed<'_> {
+    /// The root below z = [`NEAREST`], on a lattice of 64 values of T that are kept: there T is mostly rounding, and an
+    /// elimination a point would cost more than the whole map.
+    fn root_at_the_pole(&self, penalty: &Penalty) -> (f64, f64) {
+        let l = |i: usize| self.pole + self.pole * (NEAREST / LATTICE as f64 * i as f64);
+        let above = |i: usize| {
+            let t = *self.near_pole[i].get_or_init(|| self.direct(l(i)).unwrap_or(f64::NEG_INFINITY));
+            t - penalty.dynamic_stiffness(l(i)) >= 0.0
+        };
+        let (mut low, mut high) = (0, LATTICE);
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            if above(middle) { high = middle } else { low = middle }
+        }
+        (l(low), l(high))
     }
 }
 

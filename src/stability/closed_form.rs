@@ -1,141 +1,16 @@
 //! Uniform bars in closed form: one evaluation costs the same for 1 element and for 1e6.
 //!
-//! With x = l/omega_e^2, y = x - 1 and L = 12/(1+2g), the difference equation of a uniform bar of n elements has the
-//! solutions (-1)^j e^(+-j theta), and its ends, everything between eliminated, have the dynamic stiffness
-//!
-//! ```text
-//! EA/h [ -q  o ; o  -q ]     q = sqrt(w) coth(n theta)     o^2 = q^2 - w     w = L x y
-//! sinh^2(theta/2) = y/D      D = 1 + L x (1-g)/6           (y < 0: theta = i phi, inside the band)
-//! ```
-//! So stiffness a (in units of EA/h) at the left end becomes o^2/(q - a) - q at the right end, and a single contact
-//! obeys T(l) = c(l) = s - l m with T = w/q for a free far end and T = q for a fixed one (the secular equation
-//! 1 + c phi = 0 with phi = -1/T). Eliminating whole bars and counting signs is the algorithm of Wittrick and Williams
+//! A [`UniformBar`] is reduced to its ends. A single contact obeys T(l) = c(l) = s - l m with T = w/q
+//! for a free far end and T = q for a fixed one (the secular equation 1 + c phi = 0 with phi = -1/T). Eliminating whole bars and counting signs is the algorithm of Wittrick and Williams
 //! (Q. J. Mech. Appl. Math. 24, 1971).
 
-use crate::fem::MassMatrix;
-use crate::pencil::Penalty;
-use crate::scene::{Bar, End, Scene};
+use super::UniformBar;
+use crate::fem::{MassMatrix, assemble_shortened};
+use crate::pencil::{Penalty, Pencil};
+use crate::scene::{End, Scene};
 use crate::spectrum::{
-    Chain, Enclosure, Engine, Segment, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
+    Chain, Enclosure, Engine, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
 };
-
-/// Above this n theta, coth(n theta) = 1 in f64: 2 exp(-2z) < 2^-54.
-const SATURATION: f64 = 19.1;
-
-/// A uniform bar reduced to its ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct UniformBar {
-    /// EA/h, N/m.
-    stiffness: f64,
-    /// omega_e^2, rad^2/s^2.
-    eigenvalue: f64,
-    /// n.
-    elements: f64,
-    /// L = 12/(1+2g).
-    factor: f64,
-    /// L (1-g)/6, the slope of D.
-    slope: f64,
-    /// rho h A, kg.
-    element_mass: f64,
-    left_fixed: bool,
-    right_fixed: bool,
-}
-
-impl UniformBar {
-    /// The bar with the ends that its scene fixes.
-    pub fn new(bar: &Bar, mass: MassMatrix, left_fixed: bool, right_fixed: bool) -> Self {
-        let factor = mass.element_factor();
-        Self {
-            stiffness: bar.element_stiffness(),
-            eigenvalue: mass.element_eigenvalue(bar),
-            elements: bar.elements as f64,
-            factor,
-            slope: factor * mass.entries().1,
-            element_mass: bar.element_mass(),
-            left_fixed,
-            right_fixed,
-        }
-    }
-
-    /// q and w of the module head at l, dimensionless; `None` where the bar with both ends held has an eigenvalue
-    /// at or above l.
-    #[inline]
-    fn ends(&self, l: f64) -> Option<(f64, f64)> {
-        let y = (l - self.eigenvalue) / self.eigenvalue;
-        let x = l / self.eigenvalue;
-        let d = 1.0 + self.slope * x;
-        let w = self.factor * x * y;
-        if y > 0.0 {
-            let z = 2.0 * self.elements * (y / d).sqrt().asinh();
-            let root = w.sqrt();
-            return Some((if z > SATURATION { root } else { root / z.tanh() }, w));
-        }
-        if y == 0.0 {
-            return Some(((self.factor * d).sqrt() / (2.0 * self.elements), 0.0));
-        }
-        let z = 2.0 * self.elements * (-y / d).sqrt().min(1.0).asin();
-        (z < std::f64::consts::PI).then(|| ((-w).sqrt() / z.tan(), w))
-    }
-
-    /// o^2 = w/sinh^2(n theta), inside the band -w/sin^2(n phi).
-    fn coupling(&self, l: f64) -> f64 {
-        let y = (l - self.eigenvalue) / self.eigenvalue;
-        let x = l / self.eigenvalue;
-        let d = 1.0 + self.slope * x;
-        let w = self.factor * x * y;
-        if y == 0.0 {
-            return self.factor * d / (4.0 * self.elements * self.elements);
-        }
-        let angle = (y.abs() / d).sqrt();
-        let z = 2.0 * self.elements * if y > 0.0 { angle.asinh() } else { angle.min(1.0).asin() };
-        let sine = if y > 0.0 { z.sinh() } else { z.sin() };
-        (w / sine).abs() / sine.abs()
-    }
-
-    /// T(l) = -1/phi(l) of the bar alone seen from one end, N/m; `far_fixed` tells what holds the other.
-    /// `None` where the bar with that end held has an eigenvalue at or above l.
-    #[inline]
-    fn seen_from_contact(&self, l: f64, far_fixed: bool) -> Option<f64> {
-        let (q, w) = self.ends(l)?;
-        match far_fixed {
-            true => Some(self.stiffness * q),
-            false => (q > 0.0).then(|| self.stiffness * (w / q)),
-        }
-    }
-
-    /// l_max of the bar alone, rad^2/s^2: omega_e^2 with two free ends; with fixed ends the n theta = i phi at which
-    /// its last pivot vanishes, pi/2 (one) or pi (both).
-    pub fn top_eigenvalue(&self) -> f64 {
-        let held = f64::from(u8::from(self.left_fixed)) + f64::from(u8::from(self.right_fixed));
-        // sin^2(phi/2) = v/(1 + slope (1 - v)) solved for v = -y.
-        let sin2 = (0.25 * std::f64::consts::PI * held / self.elements).sin().powi(2);
-        let v = sin2 * (1.0 + self.slope) / (1.0 + self.slope * sin2);
-        self.eigenvalue * (1.0 - v)
-    }
-
-    /// A bound of e' M^-1 e at an end node: M exceeds the mass of the end element alone.
-    fn compliance_bound(&self, mass: MassMatrix) -> f64 {
-        let (diagonal, off) = mass.entries();
-        diagonal / ((diagonal - off) * (diagonal + off)) / self.element_mass
-    }
-}
-
-impl Segment for UniformBar {
-    fn condense(&self, l: f64, carried: f64) -> Option<f64> {
-        let (q, _) = self.ends(l)?;
-        let a = carried / self.stiffness;
-        let end = match (self.left_fixed, self.right_fixed) {
-            (true, true) => -1.0,
-            (true, false) => -q,
-            (false, true) => a - q,
-            // Not (a q - w)/(q - a): where two contacts a long bar apart have the same frequency, a = q to rounding,
-            // and only o^2, formed without the difference q^2 - w, still tells the two modes from each other.
-            (false, false) if a < q => self.coupling(l) / (q - a) - q,
-            (false, false) => return None,
-        };
-        Some(self.stiffness * end)
-    }
-}
 
 /// What the contacts of a scene make of its equations.
 #[derive(Debug)]
@@ -156,6 +31,8 @@ pub struct ClosedForm {
     element_bound: f64,
     lower_bound: f64,
     compliance: Vec<f64>,
+    /// The pencil of short bars, for the bound of the stiffness.
+    shortened: Pencil,
 }
 
 impl ClosedForm {
@@ -176,6 +53,7 @@ impl ClosedForm {
             element_bound,
             lower_bound: chain.segments.iter().map(node).fold(0.0, f64::max),
             compliance: compliance_bounds(&chain, mass),
+            shortened: assemble_shortened(scene, mass),
             chain,
         }
     }
@@ -205,7 +83,8 @@ impl ClosedForm {
     /// relative error of T, which shifts the root by no more than itself because T' l >= |T|; the stored entries of
     /// the pencil differ from EA/h and rho h A by 4 more.
     fn backward_error(&self, penalties: &[Penalty], l: f64) -> f64 {
-        28.0 * UNIT_ROUNDOFF * (1.0 + (self.element_bound + self.contact_bound(penalties)) / l)
+        28.0 * UNIT_ROUNDOFF
+            * (1.0 + (self.shortened.stiffness_bound(penalties) + self.contact_bound(penalties)) / l)
     }
 
     /// The sign function of the spectrum: negative where an eigenvalue lies at or above l.
@@ -351,72 +230,5 @@ impl Engine for ClosedForm {
             return Err(Uncertified { value, width: f64::INFINITY });
         }
         certify(Enclosure { value, lower: low * (1.0 - kappa), upper: high * (1.0 + kappa) })
-    }
-}
-
-impl UniformBar {
-    /// y = l_max/omega_e^2 - 1 of the bar with a free far end and one contact c/(EA/h) = b - b_mass x, or `None` if
-    /// the iteration has not settled (the general solver then takes over).
-    ///
-    /// For a long bar coth = 1 and L x y = (p - b_mass y)^2, p = b - b_mass, is a quadratic, solved without
-    /// cancellation; tanh is then restored by Newton's method, monotone because T is concave in l.
-    #[inline]
-    fn relative_rise(&self, b: f64, b_mass: f64) -> Option<f64> {
-        let p = b - b_mass;
-        if p <= 0.0 {
-            return if p == 0.0 { Some(0.0) } else { self.in_band(-p, b_mass) };
-        }
-        let l = self.factor / p;
-        let mut y = 2.0 * p / (2.0 * b_mass + l + (l * l + 4.0 * self.factor * (b / p)).sqrt());
-        for _ in 0..40 {
-            let x = 1.0 + y;
-            let d = 1.0 + self.slope * x;
-            let sinh = (y / d).sqrt();
-            let z = 2.0 * self.elements * sinh.asinh();
-            if z > SATURATION {
-                return Some(y);
-            }
-            let t = (self.factor * x * y).sqrt() * z.tanh();
-            let theta_slope = (1.0 + self.slope) / (d * d * sinh * (1.0 + sinh * sinh).sqrt());
-            let t_slope =
-                t * (0.5 * (1.0 + 2.0 * y) / (x * y) + 2.0 * self.elements * theta_slope / (2.0 * z).sinh());
-            let step = (p - b_mass * y - t) / (t_slope + b_mass);
-            y += step;
-            if step.abs() <= 4.0 * f64::EPSILON * y || step.abs() <= 0.25 * f64::EPSILON {
-                return Some(y);
-            }
-        }
-        None
-    }
-
-    /// The same inside the band, where p = -`depth` < 0: v = -y solves n phi = atan2(depth - b_mass v, sqrt(L x v)),
-    /// by Newton's method in sqrt(v), in which both sides are nearly linear.
-    fn in_band(&self, depth: f64, b_mass: f64) -> Option<f64> {
-        let reach = self.elements / (1.0 + self.slope).sqrt();
-        let quarter = 4.0 * reach / std::f64::consts::PI;
-        // From tan z ~ z/(1 - (2z/pi)^2); divided through by depth, which may be near f64::MAX.
-        let first = 1.0 / ((2.0 * reach * self.factor.sqrt() + b_mass) / depth + quarter * quarter);
-        let mut u = first.min(0.5).sqrt();
-        for _ in 0..40 {
-            let v = u * u;
-            let (x, d) = (1.0 - v, 1.0 + self.slope * (1.0 - v));
-            let sin = (v / d).sqrt();
-            let (s, c) = ((self.factor * x * v).sqrt(), depth - b_mass * v);
-            let phi_slope = (1.0 + self.slope) / (d * d * sin * (1.0 - sin * sin).sqrt());
-            let scale = s.abs().max(c.abs());
-            let (s1, c1) = (s / scale, c / scale);
-            let s_slope = self.factor * (1.0 - 2.0 * v) / (2.0 * s);
-            let angle_slope = (-(b_mass / scale) * s1 - c1 * (s_slope / scale)) / (s1 * s1 + c1 * c1);
-            let miss = 2.0 * self.elements * sin.asin() - c.atan2(s);
-            let step = miss / (2.0 * u * (self.elements * phi_slope - angle_slope));
-            u -= step;
-            if u.is_nan() || u <= 0.0 || u >= 1.0 {
-                return None;
-            }
-            if step.abs() <= 2.0 * f64::EPSILON * u || (step * u).abs() <= 0.125 * f64::EPSILON {
-                return Some(-u * u);
-            }
-        }
-        None
     }
 }

@@ -51,9 +51,10 @@ pub fn map(model: &Model, grid: &Grid, engine: &dyn Engine, done: &(dyn Fn(usize
 const PIECE: usize = 64;
 
 fn curve_piece(model: &Model, engine: &dyn Engine, ratio: Ratio, piece: &[StiffnessPenalty]) -> Vec<Point> {
-    let mut start = None;
+    let (mut start, mut penalties) = (None, Vec::new());
     let solve = |beta_s: &StiffnessPenalty| {
-        let enclosure = engine.enclose(&model.penalties(*beta_s, ratio), start);
+        model.set_penalties(&mut penalties, *beta_s, ratio);
+        let enclosure = engine.enclose(&penalties, start);
         start = enclosure.as_ref().ok().map(|enclosure| enclosure.value);
         Point { stiffness_penalty: *beta_s, step: enclosure.map(|l| model.critical_step(l)) }
     };

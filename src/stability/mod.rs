@@ -7,10 +7,12 @@ mod map;
 mod model;
 mod optimal_ratio;
 mod plan;
+mod uniform_bar;
 
-pub use closed_form::{ClosedForm, UniformBar};
+pub use closed_form::ClosedForm;
 pub use contour::contour;
 pub use grid::{Axis, Grid};
 pub use map::{Curve, Point, map};
 pub use model::{CriticalStep, EngineName, Model};
 pub use optimal_ratio::{Expectation, OptimalRatio, check_has_contact, governing_bar, optimal_ratio};
+pub use uniform_bar::UniformBar;

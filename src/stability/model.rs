@@ -24,7 +24,7 @@ pub enum EngineName {
     Sturm,
     /// The dense reduction with faer.
     Dense,
-    /// LAPACK's `dsygvx` on the same dense pencil.
+    /// The same dense reduction with LAPACK.
     #[cfg(feature = "lapack")]
     Lapack,
 }
@@ -136,6 +136,12 @@ impl Model {
     /// The contact terms of all contacts for (beta_s, r); every contact is closed.
     pub fn penalties(&self, beta_s: StiffnessPenalty, ratio: Ratio) -> Vec<Penalty> {
         self.scales.iter().map(|scale| scale.penalty(beta_s, ratio, self.form)).collect()
+    }
+
+    /// As [`Model::penalties`] into a buffer: a map needs them at every point.
+    pub fn set_penalties(&self, penalties: &mut Vec<Penalty>, beta_s: StiffnessPenalty, ratio: Ratio) {
+        penalties.clear();
+        penalties.extend(self.scales.iter().map(|scale| scale.penalty(beta_s, ratio, self.form)));
     }
 
     /// Refuses penalties that f64 cannot hold.

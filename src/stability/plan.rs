@@ -44,7 +44,9 @@ impl Model {
                 "dense, one reduction with faer a point, proven by two Sturm counts".to_owned()
             }
             #[cfg(feature = "lapack")]
-            EngineName::Lapack => "lapack, one dsygvx a point, proven by two Sturm counts".to_owned(),
+            EngineName::Lapack => {
+                "lapack, one reduction with LAPACK a point, proven by two Sturm counts".to_owned()
+            }
         }
     }
 
