@@ -12,7 +12,8 @@
 //! # A guided tour
 //! A [`scene`] says which bars there are; [`fem`] assembles it, with a mass matrix, into a [`pencil`]; [`penalty`]
 //! turns (beta_s, r) into s and m; an engine of [`spectrum`] encloses the largest eigenvalue; [`stability`] makes time
-//! steps and maps of it. [`record`] writes what came out.
+//! steps and maps of it. [`schemes`] step in time, [`impact`] makes runs of them beside exact solutions, [`verify`] finds
+//! their limits by stepping alone. [`record`] writes what came out.
 //!
 //! ```
 //! use bipenalty::fem::MassMatrix;
@@ -27,6 +28,24 @@
 //! let step = model.critical_step(l_max);
 //! assert!((step.critical_courant - 0.7891948863055671).abs() < 1e-14);
 //! assert!(step.lower <= step.critical_courant && step.critical_courant <= step.upper);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Stepping an impact:
+//!
+//! ```
+//! use bipenalty::fem::MassMatrix;
+//! use bipenalty::impact::{Recording, Run, Summary};
+//! use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
+//! use bipenalty::scene::load;
+//! use bipenalty::schemes::Scheme;
+//! use bipenalty::stability::Model;
+//!
+//! let model = Model::new(load("signorini")?, MassMatrix::LUMPED, PenaltyMass::Consistent);
+//! let run = Run::new(model, Scheme::PredictorCorrector, StiffnessPenalty::new(1e4)?, Ratio::OPTIMAL)?;
+//! let history = run.execute(&Recording::default(), None)?;
+//! let summary = Summary::of(&run, &history);
+//! assert!(summary.force_error.is_some_and(|error| error < 0.05));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
