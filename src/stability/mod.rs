@@ -7,10 +7,14 @@ mod map;
 mod model;
 mod optimal_ratio;
 mod plan;
+mod scheme_limit;
 
 pub use closed_form::{ClosedForm, UniformBar};
-pub use contour::contour;
+pub use contour::{contour, scheme_contour};
 pub use grid::{Axis, Grid};
 pub use map::{Curve, Point, map};
 pub use model::{CriticalStep, EngineName, Model};
-pub use optimal_ratio::{Expectation, OptimalRatio, check_has_contact, governing_bar, optimal_ratio};
+pub use optimal_ratio::{
+    Expectation, OptimalRatio, check_has_contact, governing_bar, optimal_ratio, optimal_scheme_ratio,
+};
+pub use scheme_limit::SchemeLimit;
