@@ -143,6 +143,31 @@ pub fn optimal_ratio(models: &[Vec<OptimalRatioRow>], expected: &[f64], log: boo
     figure
 }
 
+/// The optimal ratio of a scheme over beta_s, one curve a mass matrix, and the width of its enclosure. Where no ratio
+/// costs a step the curve ends.
+pub fn optimal_scheme_ratio(models: &[Vec<OptimalRatioRow>], log: bool) -> Figure {
+    let x = || if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
+    let (mut values, mut widths) = (Vec::new(), Vec::new());
+    for (style, rows) in models.iter().enumerate() {
+        let found = || rows.iter().filter_map(|row| Some((row, row.optimal_ratio?.0)));
+        let name = rows.first().map_or(String::new(), |row| literal(&row.mass));
+        let width = |row: &OptimalRatioRow| Some(row.upper?.0 - row.lower?.0);
+        let points = found().map(|(row, r)| (row.stiffness_penalty.0, r)).collect();
+        values.push(Layer::curve(points, &name, style));
+        let points = found().filter_map(|(row, _)| Some((row.stiffness_penalty.0, width(row)?))).collect();
+        widths.push(Layer::curve(points, name, style));
+    }
+    let first = models.first().and_then(|rows| rows.first());
+    let title = first.map_or(String::new(), |row| format!("{}, {}", scene_name(&row.scene), row.limit));
+    let y = Axis::linear("largest *r* without cost").over(0.0, 1.5);
+    let ratio = Panel::new(x(), y, values).titled(literal(&title));
+    let width =
+        Panel::new(x(), Axis::log("width of the enclosure of *r*"), widths).titled("proven to within");
+    let mut figure = figure(vec![ratio, width]);
+    figure.naming = Naming::Legend;
+    figure
+}
+
 /// One panel fits a column, more take the width of the page.
 fn figure(panels: Vec<Panel>) -> Figure {
     let width = if panels.len() == 1 { Width::Single } else { Width::Double };
