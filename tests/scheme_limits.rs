@@ -4,6 +4,8 @@
 //! which rounding splits by sqrt(eps) = 1.5e-8 times the norm of the matrix: so multipliers nearer to 1 than
 //! RIGID = 1e-4 are left out, and TOLERANCE is 1e-7.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::{Gap, Penalty, Pencil, Tridiagonal};
