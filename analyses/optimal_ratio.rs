@@ -8,14 +8,16 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    Output, OutputOptions, Progress, SceneOptions, Verdict, checked_grid, finish, print_table,
+    LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, checked_grid, finish, print_table,
     tabulate_ratios,
 };
 use bipenalty::error::{Refusal, Result};
+use bipenalty::penalty::StiffnessPenalty;
 use bipenalty::plot::charts;
 use bipenalty::record::OptimalRatioRow;
 use bipenalty::stability::{
-    Axis, EngineName, Expectation, Grid, Model, check_has_contact, governing_bar, optimal_ratio,
+    Axis, Expectation, Grid, Model, SchemeLimit, check_has_contact, governing_bar, optimal_ratio,
+    optimal_scheme_ratio,
 };
 use clap::Parser;
 use rayon::prelude::*;
@@ -29,9 +31,8 @@ struct Options {
     /// Stiffness penalties: a list 1,1e4 or lin:1:10:10 or log:1e-3:1e12:61 (start:stop:count)
     #[arg(long, value_name = "SPEC", default_value = "log:1e-3:1e12:61")]
     beta_s: Axis,
-    /// auto, closed-form, secular, sturm, dense, or lapack where it is built in
-    #[arg(long, value_name = "NAME", default_value = "auto")]
-    engine: EngineName,
+    #[command(flatten)]
+    limit: LimitOptions,
     #[command(flatten)]
     output: OutputOptions,
 }
@@ -39,12 +40,14 @@ struct Options {
 const EXAMPLES: &str = "Examples:
   optimal-ratio                                     the built-in scenes, into figures/optimal-ratio/
   optimal-ratio my-bars.toml --beta-s 1e4           which r is free of cost for my bars, and which bar governs
+  optimal-ratio hunek --limit predictor-corrector   which r is free of cost for that scheme
   optimal-ratio signorini --mass lumped --beta-s log:1:1e16:17 --stdout csv";
 
 /// What was found for one model.
 struct Found {
     model: Model,
-    expectation: Expectation,
+    /// The expected ratio where it is one for every beta_s.
+    expected: Option<f64>,
     rows: Vec<OptimalRatioRow>,
 }
 
@@ -67,14 +70,20 @@ fn run(options: &Options) -> Result<Verdict> {
     for models in &models {
         let mut found = Vec::new();
         for model in models {
-            found.push(search(model, &grid, options.engine, &progress)?);
+            found.push(search(model, &grid, &options.limit, &progress)?);
         }
         let name = models[0].scene().name();
         let rows: Vec<Vec<OptimalRatioRow>> = found.iter().map(|found| found.rows.clone()).collect();
         output.write_rows(name, &rows.concat())?;
         if output.wants_figures() && options.beta_s.values.len() > 1 {
-            let expected: Vec<f64> = found.iter().map(|found| found.expectation.ratio()).collect();
-            output.write_figure(name, &charts::optimal_ratio(&rows, &expected, options.beta_s.log))?;
+            let expected: Option<Vec<f64>> = found.iter().map(|found| found.expected).collect();
+            output.write_figure(
+                name,
+                &match expected {
+                    Some(expected) => charts::optimal_ratio(&rows, &expected, options.beta_s.log),
+                    None => charts::optimal_scheme_ratio(&rows, options.beta_s.log),
+                },
+            )?;
         }
         holds &= rows.iter().flatten().all(|row| row.holds);
         all.extend(found);
@@ -95,36 +104,48 @@ fn plan(options: &Options) -> Result<Vec<Vec<Model>>> {
     }
     let models: Vec<Vec<Model>> = asked.scenes()?.iter().map(|scene| asked.models(scene)).collect();
     models.iter().flatten().try_for_each(check_has_contact)?;
-    models.iter().flatten().try_for_each(|model| model.check_engine(options.engine))?;
+    models.iter().flatten().try_for_each(|model| options.limit.check(model))?;
     Ok(models)
 }
 
 /// Brackets the optimal ratio of one model at every beta_s, in parallel.
-fn search(model: &Model, grid: &Grid, engine: EngineName, progress: &Progress) -> Result<Found> {
+fn search(model: &Model, grid: &Grid, options: &LimitOptions, progress: &Progress) -> Result<Found> {
     progress.doing(model.scene().name());
-    let pencil = engine.needs_pencil().then(|| model.pencil());
-    let engine = model.engine(engine, pencil.as_ref());
     let uncertified =
         |error| Refusal::new(model.scene().name(), error, "scenes whose limit can be certified");
-    let expectation = Expectation::of(model, engine.as_ref()).map_err(uncertified)?;
-    let rows: Result<Vec<OptimalRatioRow>, _> = grid
-        .stiffness_penalties
-        .par_iter()
-        .map(|beta_s| {
-            let found = optimal_ratio(model, engine.as_ref(), &expectation, *beta_s);
+    let pencil = options.needs_pencil().then(|| model.pencil());
+    let name = options.limit.name();
+    let betas = grid.stiffness_penalties.par_iter();
+    if let (Some(scheme), Some(pencil)) = (options.limit.scheme(), &pencil) {
+        let limit = SchemeLimit::new(model, pencil, scheme, options.theta())?;
+        let row = |beta_s: &StiffnessPenalty| {
+            let found = optimal_scheme_ratio(model, &limit, *beta_s)?;
             progress.add(1);
-            found.map(|found| OptimalRatioRow::new(model, beta_s.get(), found, expectation.ratio()))
-        })
-        .collect();
-    Ok(Found { model: model.clone(), expectation, rows: rows.map_err(uncertified)? })
+            let expected = limit.expected_ratio(model, *beta_s);
+            Ok(OptimalRatioRow::new(model, name, beta_s.get(), found, expected))
+        };
+        let rows = betas.map(row).collect::<Result<_, _>>().map_err(uncertified)?;
+        return Ok(Found { model: model.clone(), expected: None, rows });
+    }
+    let engine = options.engine(model, pencil.as_ref())?;
+    let expectation = Expectation::of(model, engine.as_ref()).map_err(uncertified)?;
+    let expected = Some(expectation.ratio());
+    let row = |beta_s: &StiffnessPenalty| {
+        let found = optimal_ratio(model, engine.as_ref(), &expectation, *beta_s)?;
+        progress.add(1);
+        Ok(OptimalRatioRow::new(model, name, beta_s.get(), found, expected))
+    };
+    let rows = betas.map(row).collect::<Result<_, _>>().map_err(uncertified)?;
+    Ok(Found { model: model.clone(), expected, rows })
 }
 
 fn explain(model: &Model, options: &Options, grid: &Grid) -> String {
-    format!(
-        "{} values of beta_s, about 150 eigenvalues each\n  {}\n",
-        grid.stiffness_penalties.len(),
-        model.explain(options.engine, grid)
-    )
+    let (values, limit) = (grid.stiffness_penalties.len(), options.limit.limit);
+    let method = match limit.scheme() {
+        None => model.explain(options.limit.engine, grid),
+        Some(_) => format!("{}: bisection on the limit of {}", model.scene().name(), limit.name()),
+    };
+    format!("{values} values of beta_s, about 150 limits each\n  {method}\n")
 }
 
 fn summarise(found: &[Found]) {
@@ -139,7 +160,7 @@ fn summarise(found: &[Found]) {
     ];
     let line = |found: &Found| {
         let mut cells = tabulate_ratios(&found.rows);
-        cells.insert(3, format!("{:.12}", found.expectation.ratio()));
+        cells.insert(3, found.expected.map_or("by beta_s".to_owned(), |r| format!("{r:.12}")));
         cells.push(governing_bar(&found.model));
         cells
     };

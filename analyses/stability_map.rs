@@ -7,14 +7,14 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    Chart, Job, Limit, MapSummary, Output, OutputOptions, Progress, SceneOptions, Solved, Verdict, finish,
-    paper, point_answers, print_summaries,
+    Chart, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress, RatioSpec, SceneOptions, Solved,
+    Verdict, finish, paper, point_answers, print_summaries,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::charts;
 use bipenalty::record::StabilityRow;
 use bipenalty::scene::built_in;
-use bipenalty::stability::{Axis, EngineName, contour};
+use bipenalty::stability::{Axis, SchemeLimit, contour, scheme_contour};
 use clap::Parser;
 
 /// Critical time steps of bars in contact: C_r over the stiffness penalty and the ratio, certified.
@@ -26,15 +26,14 @@ struct Options {
     /// Stiffness penalties: a list 0,0.5,10 or lin:0:10:401 or log:1e-3:1e12:301 (start:stop:count)
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
     beta_s: Option<Axis>,
-    /// Penalty ratios r, in the same forms; inf is the pure penalty method
+    /// Penalty ratios r, in the same forms; inf is the pure penalty method, plastic the ratio of zero penetration
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
-    ratio: Option<Axis>,
-    /// Whose limit to show
-    #[arg(long, value_name = "NAME", default_value = "spectrum")]
-    limit: Limit,
-    /// auto, closed-form, secular, sturm, dense, or lapack where it is built in
-    #[arg(long, value_name = "NAME", default_value = "auto")]
-    engine: EngineName,
+    ratio: Option<RatioSpec>,
+    /// dt over the contact-free critical step, for --ratio plastic [default: 0.5]
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    relative_courant: Option<f64>,
+    #[command(flatten)]
+    limit: LimitOptions,
     #[command(flatten)]
     output: OutputOptions,
 }
@@ -46,6 +45,8 @@ const EXAMPLES: &str = "Examples:
   stability-map                                     the charts of the paper, into figures/stability-map/
   stability-map my-bars.toml --beta-s 10 --ratio 1  which time step is safe for my bars
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
+  stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
+  stability-map signorini --limit predictor-corrector --beta-s 1e3,1e6 --ratio plastic --relative-courant 0.9
   stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv";
 
 fn main() -> ExitCode {
@@ -56,19 +57,19 @@ fn run(options: &Options) -> Result<Verdict> {
     let jobs = plan(options)?;
     let output = Output::prepare(&options.output, "stability-map")?;
     if options.output.explain {
-        let plan: String = jobs.iter().map(|job| job.explain(options.engine)).collect();
+        let plan: String = jobs.iter().map(|job| job.explain(&options.limit)).collect();
         Output::print_text(&plan)?;
         return Ok(Verdict::Holds);
     }
     let (mut summaries, mut answers, mut printed, mut files) = (Vec::new(), Vec::new(), Vec::new(), 0);
     let progress = Progress::new(jobs.iter().map(Job::points).sum(), "points", options.output.quiet);
     for job in &jobs {
-        let solved = job.solve(options.engine, &progress);
-        let rows = |s: &Solved| StabilityRow::of(&s.model, options.limit.name(), &s.curves, s.engine);
+        let solved = job.solve(&options.limit, &progress)?;
+        let rows = |s: &Solved| StabilityRow::of(&s.model, options.limit.limit.name(), &s.curves, s.engine);
         let rows: Vec<Vec<StabilityRow>> = solved.iter().map(rows).collect();
         files += output.write_rows(&job.stem, &rows.concat())?.len();
         if output.wants_figures() {
-            files += draw(job, &rows, &output)?;
+            files += draw(job, &rows, &options.limit, &output)?;
         }
         if job.chart != Chart::MassFamily {
             summaries.extend(solved.iter().map(MapSummary::of));
@@ -96,6 +97,9 @@ fn run(options: &Options) -> Result<Verdict> {
 
 /// The figures of the paper, or one figure for each scene and mass matrix that was asked for.
 fn plan(options: &Options) -> Result<Vec<Job>> {
+    if let Some(c) = options.relative_courant.filter(|_| options.ratio != Some(RatioSpec::Plastic)) {
+        return Err(Refusal::new("--relative-courant", c, "--ratio plastic beside it").into());
+    }
     let scenes = options.scene.scenes()?;
     let own_axes = options.beta_s.is_some() || options.ratio.is_some() || options.scene.elements.is_some();
     let jobs = if scenes.is_empty() && own_axes {
@@ -110,15 +114,24 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         paper(&remeshed, &options.scene.mass.0, options.scene.penalty_mass.into())?
     } else {
         let beta_s = options.beta_s.clone().map_or_else(|| Axis::linear(0.0, 10.0, 401), Ok)?;
-        let ratio = options.ratio.clone().unwrap_or_else(|| Axis::list([0.5, 1.0, 2.0, 3.0, f64::INFINITY]));
+        let spec = options.ratio.clone();
         let mut jobs = Vec::new();
         for model in scenes.iter().flat_map(|scene| options.scene.models(scene)) {
             let stem = format!("{}-{}", model.scene().name(), model.mass().name());
-            jobs.push(Job::new(stem, vec![model], beta_s.clone(), ratio.clone())?);
+            jobs.push(match &spec {
+                Some(RatioSpec::Plastic) => {
+                    Job::plastic(stem, model, beta_s.clone(), options.relative_courant.unwrap_or(0.5))?
+                }
+                Some(RatioSpec::Axis(ratio)) => Job::new(stem, vec![model], beta_s.clone(), ratio.clone())?,
+                None => {
+                    let ratio = Axis::list([0.5, 1.0, 2.0, 3.0, f64::INFINITY]);
+                    Job::new(stem, vec![model], beta_s.clone(), ratio)?
+                }
+            });
         }
         jobs
     };
-    jobs.iter().flat_map(|job| &job.models).try_for_each(|model| model.check_engine(options.engine))?;
+    jobs.iter().flat_map(|job| &job.models).try_for_each(|model| options.limit.check(model))?;
     if options.output.stdout.is_none() {
         check_stems(&jobs)?;
     }
@@ -141,7 +154,7 @@ fn check_stems(jobs: &[Job]) -> Result<()> {
 }
 
 /// Draws the chart of a job from its rows; contour lines come from the secular equation, not from the grid.
-fn draw(job: &Job, rows: &[Vec<StabilityRow>], output: &Output) -> Result<usize> {
+fn draw(job: &Job, rows: &[Vec<StabilityRow>], limit: &LimitOptions, output: &Output) -> Result<usize> {
     let figure = match job.chart {
         Chart::None => return Ok(0),
         Chart::Curves => charts::curves(rows, job.beta_s.log),
@@ -152,8 +165,18 @@ fn draw(job: &Job, rows: &[Vec<StabilityRow>], output: &Output) -> Result<usize>
             let mut lines = Vec::new();
             for (model, rows) in job.models.iter().zip(rows) {
                 let levels = charts::levels(rows);
-                let line = |level: f64| Ok((level, contour(model, level, beta_s, ratio)?));
-                lines.push(levels.into_iter().map(line).collect::<Result<Vec<_>>>()?);
+                lines.push(match limit.limit.scheme() {
+                    None => {
+                        let line = |level: f64| Ok((level, contour(model, level, beta_s, ratio)?));
+                        levels.into_iter().map(line).collect::<Result<Vec<_>>>()?
+                    }
+                    Some(scheme) => {
+                        let pencil = model.pencil();
+                        let limit = SchemeLimit::new(model, &pencil, scheme, limit.theta())?;
+                        let line = |level: f64| (level, scheme_contour(model, &limit, level, beta_s, ratio));
+                        levels.into_iter().map(line).collect()
+                    }
+                });
             }
             charts::map(rows, &lines)
         }

@@ -2,13 +2,14 @@
 
 use std::time::Instant;
 
-use super::Progress;
+use super::{Limit, LimitOptions, Progress};
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
-use crate::penalty::{PenaltyMass, Ratio};
+use crate::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use crate::scene::Scene;
-use crate::spectrum::{Enclosure, Uncertified};
-use crate::stability::{Axis, Curve, EngineName, Grid, Model, map};
+use crate::schemes::Scheme;
+use crate::spectrum::{Enclosure, Engine, Uncertified};
+use crate::stability::{Axis, Curve, Grid, Model, SchemeLimit, map};
 
 /// How the points of a job are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +39,8 @@ pub struct Job {
     pub grid: Grid,
     /// The chart.
     pub chart: Chart,
+    /// Whether the i-th ratio of the grid goes with the i-th beta_s only.
+    pub paired: bool,
 }
 
 /// One model's map.
@@ -45,6 +48,8 @@ pub struct Job {
 pub struct Solved {
     /// The model.
     pub model: Model,
+    /// Whose limit.
+    pub limit: Limit,
     /// Name of the engine that was used.
     pub engine: &'static str,
     /// The map.
@@ -76,37 +81,78 @@ impl Job {
             _ if beta_s.log && ratio.log => Chart::Map,
             _ => Chart::None,
         };
-        Ok(Self { stem, models, beta_s, ratio, grid, chart })
+        Ok(Self { stem, models, beta_s, ratio, grid, chart, paired: false })
+    }
+
+    /// The job of one model with the plastic ratio of every beta_s at dt = `relative_courant` times the contact-free
+    /// step: dt^2 s' mu = 1.
+    ///
+    /// # Errors
+    /// What [`SchemeLimit::plastic_ratio`] and [`Job::new`] refuse.
+    pub fn plastic(stem: String, model: Model, beta_s: Axis, relative_courant: f64) -> Result<Self, Refusal> {
+        let pencil = model.pencil();
+        let limit = SchemeLimit::new(&model, &pencil, Scheme::PredictorCorrector, 0.5)?;
+        let ratio = |beta_s: &f64| {
+            let beta_s = StiffnessPenalty::new(*beta_s)?;
+            limit.plastic_ratio(&model, beta_s, relative_courant).map(Ratio::get)
+        };
+        let ratios: Result<Vec<f64>, Refusal> = beta_s.values.iter().map(ratio).collect();
+        let job = Self::new(stem, vec![model.clone()], beta_s, Axis::list(ratios?))?;
+        Ok(Self { chart: Chart::None, paired: true, ..job })
     }
 
     /// Points of the job.
     pub fn points(&self) -> usize {
-        self.grid.len() * self.models.len()
+        let points = if self.paired { self.grid.ratios.len() } else { self.grid.len() };
+        points * self.models.len()
     }
 
     /// Computes the maps of all models, certified.
-    pub fn solve(&self, engine: EngineName, progress: &Progress) -> Vec<Solved> {
+    ///
+    /// # Errors
+    /// What [`LimitOptions::check`] refuses.
+    pub fn solve(&self, limit: &LimitOptions, progress: &Progress) -> Result<Vec<Solved>, Refusal> {
         progress.doing(&self.stem);
-        self.models.iter().map(|model| self.solve_model(model, engine, progress)).collect()
+        self.models.iter().map(|model| self.solve_model(model, limit, progress)).collect()
     }
 
-    fn solve_model(&self, model: &Model, name: EngineName, progress: &Progress) -> Solved {
-        let pencil = name.needs_pencil().then(|| model.pencil());
-        let engine = model.engine(name, pencil.as_ref());
+    fn solve_model(
+        &self,
+        model: &Model,
+        limit: &LimitOptions,
+        progress: &Progress,
+    ) -> Result<Solved, Refusal> {
+        let pencil = limit.needs_pencil().then(|| model.pencil());
+        let engine = limit.engine(model, pencil.as_ref())?;
         let begun = Instant::now();
-        let curves = map(model, &self.grid, engine.as_ref(), &|points| progress.add(points));
+        let curves = self.curves(model, engine.as_ref(), progress);
         let seconds = begun.elapsed().as_secs_f64();
-        let at_one = curves.iter().find(|curve| curve.ratio == Ratio::OPTIMAL).cloned();
+        let at_one = curves.iter().find(|curve| !self.paired && curve.ratio == Ratio::OPTIMAL).cloned();
         let optimal = at_one.unwrap_or_else(|| {
             let grid = Grid { ratios: vec![Ratio::OPTIMAL], ..self.grid.clone() };
             map(model, &grid, engine.as_ref(), &|_| ()).remove(0)
         });
         let contact_free = engine.enclose(&vec![Default::default(); model.scales().len()], None);
-        Solved { model: model.clone(), engine: engine.name(), curves, contact_free, optimal, seconds }
+        let (model, limit) = (model.clone(), limit.limit);
+        Ok(Solved { model, limit, engine: engine.name(), curves, contact_free, optimal, seconds })
+    }
+
+    fn curves(&self, model: &Model, engine: &dyn Engine, progress: &Progress) -> Vec<Curve> {
+        let done = |points| progress.add(points);
+        if !self.paired {
+            return map(model, &self.grid, engine, &done);
+        }
+        let pairs = self.grid.stiffness_penalties.iter().zip(&self.grid.ratios);
+        pairs
+            .flat_map(|(beta_s, ratio)| {
+                let point = Grid { stiffness_penalties: vec![*beta_s], ratios: vec![*ratio] };
+                map(model, &point, engine, &done)
+            })
+            .collect()
     }
 
     /// What `--explain` says of the job.
-    pub fn explain(&self, engine: EngineName) -> String {
+    pub fn explain(&self, limit: &LimitOptions) -> String {
         let mut text = format!(
             "{}: {} x {} points (beta_s x r), {}\n",
             self.stem,
@@ -120,7 +166,10 @@ impl Job {
             }
         );
         for model in &self.models {
-            text += &format!("  {}\n", model.explain(engine, &self.grid));
+            text += &match limit.limit.scheme() {
+                None => format!("  {}\n", model.explain(limit.engine, &self.grid)),
+                Some(scheme) => format!("  {}\n", explain_scheme(model, scheme)),
+            };
         }
         text
     }
@@ -139,6 +188,18 @@ pub fn checked_grid(beta_s: &Axis, ratio: &Axis) -> Result<Grid, Refusal> {
         };
         Refusal { place: place.to_owned(), ..refusal }
     })
+}
+
+/// How the limit of a scheme is found for `model`.
+fn explain_scheme(model: &Model, scheme: Scheme) -> String {
+    let scene = model.scene();
+    let method = match scheme {
+        Scheme::Park => {
+            "multiplier -1 of the amplification matrix, about 10 pairs of eliminations of the pencil"
+        }
+        _ => "dt^2 s' mu = 1 in closed form; below the contact-free l_max signs of the secular equation",
+    };
+    format!("{} ({} elements, {} mass): {method}", scene.name(), scene.elements(), model.mass().name())
 }
 
 /// The figures of the paper, and the maps it leaves out: what `stability-map` does without a scene.

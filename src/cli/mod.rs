@@ -12,7 +12,7 @@ mod summary;
 
 pub use impacts::{FinishedRun, PlannedRun, exact_energy, exact_force, execute};
 pub use maps::{Chart, Job, Solved, checked_grid, paper};
-pub use options::{Format, Limit, OutputOptions, SceneOptions, StandardOutput};
+pub use options::{Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput};
 pub use output::Output;
 pub use progress::Progress;
 pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};

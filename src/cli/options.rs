@@ -9,8 +9,11 @@ use clap::{Args, ValueEnum};
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
 use crate::penalty::PenaltyMass;
+use crate::pencil::Pencil;
 use crate::scene::{MAX_ELEMENTS, Scene, load};
-use crate::stability::Model;
+use crate::schemes::Scheme;
+use crate::spectrum::Engine;
+use crate::stability::{Axis, EngineName, Model, SchemeLimit};
 
 /// Which scenes, how finely meshed, with which mass.
 #[derive(Debug, Clone, Args)]
@@ -114,6 +117,10 @@ pub enum Limit {
     Spectrum,
     /// The central difference scheme with closed contact: equal to the spectrum's
     CentralDifference,
+    /// The predictor-corrector scheme with closed contact: dt^2 s' mu = 1
+    PredictorCorrector,
+    /// The Park scheme with closed contact and dt_c = 2/omega_max of the contact-free scene
+    Park,
 }
 
 impl Limit {
@@ -121,8 +128,95 @@ impl Limit {
     pub fn name(self) -> &'static str {
         match self {
             Self::Spectrum => "spectrum",
-            Self::CentralDifference => "central-difference",
+            Self::CentralDifference => Scheme::CentralDifference.name(),
+            Self::PredictorCorrector => Scheme::PredictorCorrector.name(),
+            Self::Park => Scheme::Park.name(),
         }
+    }
+
+    /// The scheme whose limit is not the spectrum's.
+    pub fn scheme(self) -> Option<Scheme> {
+        match self {
+            Self::Spectrum | Self::CentralDifference => None,
+            Self::PredictorCorrector => Some(Scheme::PredictorCorrector),
+            Self::Park => Some(Scheme::Park),
+        }
+    }
+}
+
+/// Whose limit, and what that depends on beside the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Args)]
+pub struct LimitOptions {
+    /// Whose limit to show
+    #[arg(long, value_name = "NAME", default_value = "spectrum")]
+    pub limit: Limit,
+    /// Averaging of the Park scheme, in [0, 1] [default: 0.5]
+    #[arg(long, value_name = "T")]
+    pub theta: Option<f64>,
+    /// auto, closed-form, secular, sturm, dense, or lapack where it is built in
+    #[arg(long, value_name = "NAME", default_value = "auto")]
+    pub engine: EngineName,
+}
+
+impl LimitOptions {
+    /// Refuses what `model` has no such limit or no such engine for.
+    ///
+    /// # Errors
+    /// An engine or a theta that the limit does not use, and what [`SchemeLimit::new`] refuses.
+    pub fn check(&self, model: &Model) -> Result<(), Refusal> {
+        let place = format!("--limit {}", self.limit.name());
+        if let Some(theta) = self.theta.filter(|_| self.limit != Limit::Park) {
+            return Err(Refusal::new("--theta", theta, format!("no theta with {place}, or --limit park")));
+        }
+        let Some(scheme) = self.limit.scheme() else { return model.check_engine(self.engine) };
+        if self.engine != EngineName::Auto {
+            return Err(Refusal::new("--engine", self.engine.text(), format!("auto with {place}")));
+        }
+        SchemeLimit::new(model, &model.pencil(), scheme, self.theta()).map(|_| ())
+    }
+
+    /// theta of the Park scheme.
+    pub fn theta(&self) -> f64 {
+        self.theta.unwrap_or(0.5)
+    }
+
+    /// Whether the limit works on the assembled pencil.
+    pub fn needs_pencil(&self) -> bool {
+        self.limit.scheme().is_some() || self.engine.needs_pencil()
+    }
+
+    /// What finds the limit of `model` as l = 4/dt^2; `pencil` where it is needed.
+    ///
+    /// # Errors
+    /// What [`SchemeLimit::new`] refuses.
+    pub fn engine<'a>(
+        &self,
+        model: &Model,
+        pencil: Option<&'a Pencil>,
+    ) -> Result<Box<dyn Engine + 'a>, Refusal> {
+        match (self.limit.scheme(), pencil) {
+            (Some(scheme), Some(pencil)) => {
+                Ok(Box::new(SchemeLimit::new(model, pencil, scheme, self.theta())?))
+            }
+            _ => Ok(model.engine(self.engine, pencil)),
+        }
+    }
+}
+
+/// Penalty ratios as typed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RatioSpec {
+    /// The same ratios for every beta_s.
+    Axis(Axis),
+    /// For every beta_s the ratio of zero penetration, dt^2 s' mu = 1.
+    Plastic,
+}
+
+impl FromStr for RatioSpec {
+    type Err = Refusal;
+
+    fn from_str(text: &str) -> Result<Self, Refusal> {
+        if text == "plastic" { Ok(Self::Plastic) } else { text.parse().map(Self::Axis) }
     }
 }
 

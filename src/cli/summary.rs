@@ -115,6 +115,13 @@ fn smallest(curve: &Curve) -> Option<(CriticalStep, f64)> {
 
 /// Whether r = 1 kept the contact-free limit, and how far off; false only if it fell below the element limit.
 fn verdict(solved: &Solved, free: CriticalStep, optimal: CriticalStep) -> (String, bool) {
+    if solved.limit.scheme().is_some() {
+        // A scheme need not keep it; what it keeps is the answer.
+        let kept = optimal.critical_courant / free.critical_courant;
+        let text =
+            if optimal.upper >= free.lower { "yes".to_owned() } else { format!("keeps {kept:.4} of it") };
+        return (text, true);
+    }
     let units = (free.critical_courant - optimal.critical_courant) / (free.critical_courant * f64::EPSILON);
     let scene = solved.model.scene();
     let mass = solved.model.mass();
@@ -209,15 +216,26 @@ pub fn point_answers(solved: &Solved, rows: &[StabilityRow]) -> Vec<String> {
     let answer = |((ratio, point), row): ((Ratio, &Point), &StabilityRow)| {
         let step = point.step.ok()?;
         let pure = if ratio == Ratio::PURE_PENALTY { " (pure penalty)" } else { "" };
+        let free = solved.contact_free.ok().map(|l| solved.model.critical_step(l));
+        let evidence = match solved.limit.scheme() {
+            None => format!(", omega_max = {:e} rad/s", step.omega_max),
+            Some(scheme) => match free.filter(|free| free.upper < step.lower) {
+                None => format!(", {}", scheme.name()),
+                Some(free) => format!(
+                    ", {}; when the contact opens dt = {:e} s binds",
+                    scheme.name(),
+                    solved.model.time_step(free.lower)
+                ),
+            },
+        };
         Some(format!(
-            "{}, {} mass, beta_s = {}, r = {}{pure}: stable up to dt = {:e} s (C_r = {}, omega_max = {:e} rad/s)",
+            "{}, {} mass, beta_s = {}, r = {}{pure}: stable up to dt = {:e} s (C_r = {}{evidence})",
             row.scene,
             row.mass,
             short(row.stiffness_penalty.0),
             short(row.ratio.0),
             solved.model.time_step(step.lower),
             step.critical_courant,
-            step.omega_max,
         ))
     };
     points.zip(rows).filter_map(answer).collect()

@@ -2,6 +2,7 @@
 
 use super::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Width, literal};
 use crate::record::{OptimalRatioRow, StabilityRow};
+use crate::schemes::Scheme;
 
 /// Label of the critical Courant number.
 const COURANT: &str = "critical Courant number *C*_{r}";
@@ -136,6 +137,47 @@ pub fn optimal_ratio(models: &[Vec<OptimalRatioRow>], expected: &[f64], log: boo
     let scene = models.first().and_then(|rows| rows.first()).map_or("", |row| row.scene.as_str());
     let y = Axis::linear("optimal *r* / expected *r*").over(0.9, 1.1);
     let ratio = Panel::new(x(), y, values).titled(literal(&scene_name(scene)));
+    let width =
+        Panel::new(x(), Axis::log("width of the enclosure of *r*"), widths).titled("proven to within");
+    let mut figure = figure(vec![ratio, width]);
+    figure.naming = Naming::Legend;
+    figure
+}
+
+/// The same figure with whose limit each panel shows in its title.
+pub fn titled_by_limit(mut figure: Figure, panels: &[Vec<StabilityRow>]) -> Figure {
+    for (panel, rows) in figure.panels.iter_mut().zip(panels) {
+        let Some(row) = rows.first() else { continue };
+        panel.title = Some(literal(&format!("{}, {} mass", limit_name(row.limit), row.mass)));
+    }
+    figure
+}
+
+/// Whose limit, as a title names it.
+fn limit_name(limit: &str) -> String {
+    let scheme = Scheme::ALL.into_iter().find(|scheme| scheme.name() == limit);
+    scheme.map_or_else(|| limit.to_owned(), |scheme| scheme.facts().title.to_owned())
+}
+
+/// The optimal ratio of a scheme over beta_s, one curve a mass matrix, and the width of its enclosure. Where no ratio
+/// costs a step the curve ends.
+pub fn optimal_scheme_ratio(models: &[Vec<OptimalRatioRow>], log: bool) -> Figure {
+    let x = || if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
+    let (mut values, mut widths) = (Vec::new(), Vec::new());
+    for (style, rows) in models.iter().enumerate() {
+        let found = || rows.iter().filter_map(|row| Some((row, row.optimal_ratio?.0)));
+        let name = rows.first().map_or(String::new(), |row| literal(&row.mass));
+        let width = |row: &OptimalRatioRow| Some(row.upper?.0 - row.lower?.0);
+        let points = found().map(|(row, r)| (row.stiffness_penalty.0, r)).collect();
+        values.push(Layer::curve(points, &name, style));
+        let points = found().filter_map(|(row, _)| Some((row.stiffness_penalty.0, width(row)?))).collect();
+        widths.push(Layer::curve(points, name, style));
+    }
+    let first = models.first().and_then(|rows| rows.first());
+    let title =
+        first.map_or(String::new(), |row| format!("{}, {}", scene_name(&row.scene), limit_name(row.limit)));
+    let y = Axis::linear("largest *r* without cost").over(0.0, 1.5);
+    let ratio = Panel::new(x(), y, values).titled(literal(&title));
     let width =
         Panel::new(x(), Axis::log("width of the enclosure of *r*"), widths).titled("proven to within");
     let mut figure = figure(vec![ratio, width]);

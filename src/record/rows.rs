@@ -99,19 +99,30 @@ pub struct OptimalRatioRow {
 }
 
 impl OptimalRatioRow {
-    /// The row of `found` at beta_s, held against the `expected` ratio.
-    pub fn new(model: &Model, beta_s: f64, found: Option<OptimalRatio>, expected: f64) -> Self {
+    /// The row of `found` at beta_s for a limit, held against the `expected` ratio; `None` if no ratio should cost a
+    /// step.
+    pub fn new(
+        model: &Model,
+        limit: &'static str,
+        beta_s: f64,
+        found: Option<OptimalRatio>,
+        expected: Option<f64>,
+    ) -> Self {
+        let contains = |found: OptimalRatio| match expected {
+            Some(expected) => found.lower <= expected && expected <= found.upper,
+            None => false,
+        };
         Self {
             scene: model.scene().name().to_owned(),
             mass: model.mass().name(),
             gamma: Number(model.mass().gamma()),
             elements: model.scene().elements(),
-            limit: "spectrum",
+            limit,
             stiffness_penalty: Number(beta_s),
             optimal_ratio: found.map(|found| Number(found.value)),
             lower: found.map(|found| Number(found.lower)),
             upper: found.map(|found| Number(found.upper)),
-            holds: found.is_none_or(|found| found.lower <= expected && expected <= found.upper),
+            holds: found.is_none_or(contains),
         }
     }
 }

@@ -6,6 +6,7 @@
 
 mod chain;
 mod dense;
+mod flexibility;
 #[cfg(feature = "lapack")]
 pub mod lapack;
 mod root;
@@ -14,6 +15,7 @@ mod sturm;
 
 pub use chain::{Chain, Segment};
 pub use dense::{Dense, MAX_DENSE_NODES};
+pub use flexibility::Flexibility;
 pub use root::{bisect, find_sign_change};
 pub use secular::Secular;
 pub use sturm::Sturm;

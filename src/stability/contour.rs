@@ -8,7 +8,7 @@
 //! so beta_s is explicit for given r and r for given beta_s. With several contacts C_r is monotone in beta_s for given
 //! r, and one bisection on the sign of the last pivot finds the point.
 
-use super::{ClosedForm, Model};
+use super::{ClosedForm, Model, SchemeLimit};
 use crate::error::Refusal;
 use crate::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use crate::spectrum::bisect;
@@ -31,6 +31,27 @@ pub fn contour(
     points.retain(|(b, r)| (beta_s.0..=beta_s.1).contains(b) && (ratio.0..=ratio.1).contains(r));
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
     Ok(points)
+}
+
+/// As [`contour`] for the limit of a scheme: explicit too, since 1/(beta_s k_e) + mu/(r omega_e^2) is one number along a
+/// line. Empty for several contacts and above the contact-free limit.
+pub fn scheme_contour(
+    model: &Model,
+    limit: &SchemeLimit<'_>,
+    critical_courant: f64,
+    beta_s: (f64, f64),
+    ratio: (f64, f64),
+) -> Vec<(f64, f64)> {
+    let l = 4.0 * model.reference_rate() / (critical_courant * critical_courant);
+    let (Some(w), [scale]) = (limit.effective_flexibility(l), model.scales()) else { return Vec::new() };
+    let (b, r) = (1.0 / (w * scale.stiffness), limit.compliance() / (w * scale.element_eigenvalue));
+    // b/beta_s + r/ratio = 1.
+    let over_beta = samples(beta_s).map(|beta_s| (beta_s, r / (1.0 - b / beta_s)));
+    let over_ratio = samples(ratio).map(|ratio| (b / (1.0 - r / ratio), ratio));
+    let within = |(x, y): &(f64, f64)| (beta_s.0..=beta_s.1).contains(x) && (ratio.0..=ratio.1).contains(y);
+    let mut points: Vec<(f64, f64)> = over_beta.chain(over_ratio).filter(within).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    points
 }
 
 /// Points along each axis; the line is steep in one variable where it is flat in the other.

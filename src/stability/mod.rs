@@ -7,12 +7,16 @@ mod map;
 mod model;
 mod optimal_ratio;
 mod plan;
+mod scheme_limit;
 mod uniform_bar;
 
 pub use closed_form::ClosedForm;
-pub use contour::contour;
+pub use contour::{contour, scheme_contour};
 pub use grid::{Axis, Grid};
 pub use map::{Curve, Point, map};
 pub use model::{CriticalStep, EngineName, Model};
-pub use optimal_ratio::{Expectation, OptimalRatio, check_has_contact, governing_bar, optimal_ratio};
+pub use optimal_ratio::{
+    Expectation, OptimalRatio, check_has_contact, governing_bar, optimal_ratio, optimal_scheme_ratio,
+};
+pub use scheme_limit::SchemeLimit;
 pub use uniform_bar::UniformBar;

@@ -4,7 +4,7 @@
 //! any mesh, so every r <= r* = l_max(K, M)/omega_e^2 is free of cost, for every beta_s. When the top mode moves a
 //! gap of the stiffest contact, a larger r costs a step at once: r* is the optimum, 1 for a bar with free ends.
 
-use super::{Model, UniformBar};
+use super::{Model, SchemeLimit, UniformBar};
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::scene::{Bar, End};
@@ -83,6 +83,35 @@ pub fn optimal_ratio(
     let value = value_between(&penalised, free.value, lower, upper);
     Ok(Some(OptimalRatio { stiffness_penalty: beta_s, value, lower, upper }))
 }
+
+/// The same for the limit of a scheme: the largest r whose limit is not below the contact-free one, between one that
+/// is proven to cost nothing ([`SchemeLimit::costs_nothing`]) and one whose enclosure lies apart. Park: 0 and no lower
+/// bound where every ratio costs.
+///
+/// # Errors
+/// Passes on a limit that could not be certified.
+pub fn optimal_scheme_ratio(
+    model: &Model,
+    limit: &SchemeLimit<'_>,
+    beta_s: StiffnessPenalty,
+) -> Result<Option<OptimalRatio>, Uncertified> {
+    let free = limit.contact_free();
+    let penalised = |r: Ratio| limit.enclose(&model.penalties(beta_s, r), None);
+    let with = |r: f64, test: &dyn Fn(Ratio) -> bool| Ratio::new(r).is_ok_and(test);
+    let costs = |r: f64| with(r, &|r| penalised(r).is_ok_and(|l| l.lower > free.upper));
+    let may_cost = |r: f64| !with(r, &|r| limit.costs_nothing(&model.penalties(beta_s, r)));
+    penalised(Ratio::OPTIMAL)?;
+    if !costs(LARGEST_RATIO) {
+        return Ok(None);
+    }
+    let (_, upper) = bisect(SMALLEST_RATIO, LARGEST_RATIO, costs);
+    let lower = if may_cost(SMALLEST_RATIO) { 0.0 } else { bisect(SMALLEST_RATIO, upper, may_cost).0 };
+    let value = if lower == 0.0 { 0.0 } else { value_between(&penalised, free.value, lower, upper) };
+    Ok(Some(OptimalRatio { stiffness_penalty: beta_s, value, lower, upper }))
+}
+
+/// The smallest ratio that is searched for the limit of a scheme.
+const SMALLEST_RATIO: f64 = 1e-12;
 
 /// The last ratio between proven bounds whose computed l_max does not exceed the computed contact-free one.
 fn value_between(

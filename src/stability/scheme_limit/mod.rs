@@ -1,0 +1,277 @@
+//! How large a step the predictor-corrector and the Park scheme stand while every contact is closed.
+//!
+//! Both see the contact only through the stiffness that its mass leaves, s' = s/(1 + m mu) with mu = Z'M^-1 Z: the
+//! contact acts as M^-1 Z C Z', C = (I + m G)^-1 S with G = Z'M^-1 Z, S and m diagonal (one entry a contact). Since
+//! 1/s' = 1/s + mu/(r omega_e^2), a map over (beta_s, r) is one function of s' alone. The limit is the largest step up
+//! to which no multiplier of the amplification matrix leaves the unit circle. Like a spectrum's it is given as
+//! l = 4/dt^2, so that dt = 2/sqrt(l).
+//!
+//! # Predictor-corrector
+//! The displacements obey
+//!
+//! ```text
+//! (M + Z k Z') u_{n+1} - 2 M u_n + M u_{n-1} + dt^2 K u_n = 0      k = dt^2 (C^-1 - dt^2 G)^-1
+//! ```
+//! *Sufficient.* Let k >= 0 and x be a mode with the multiplier z. Then (m + c) z^2 - (2 m - dt^2 e) z + m = 0 with the
+//! numbers m = x*Mx > 0, c = x*Z k Z'x >= 0, e = x*Kx >= 0. Its coefficients are real, and both its roots lie in the
+//! closed unit disc exactly when m <= m + c and dt^2 e <= 4 m + c. So the scheme is stable as long as
+//!
+//! ```text
+//! dt^2 lambda_max(C G) < 1  (k >= 0)      and      dt^2 K <= 4 M + Z k Z'
+//! ```
+//! the second of which holds whenever dt <= 2/sqrt(l_max(K, M)).
+//!
+//! *Necessary.* If the second inequality fails, the symmetric matrix of the quadratic has a negative eigenvalue at
+//! z = -1 and none for z -> -inf: a real multiplier lies beyond -1. If k < 0 (contacts alike, so that k is a number),
+//! each mode with a complex multiplier and Z'x != 0 has |z|^2 = m/(m + c) > 1. That such a mode exists needs a body of
+//! more than one node; a single mass on a contact stands more, and is refused here. Contacts that are not alike damp
+//! each other's unstable modes, dt^2 lambda_max(C G) = 1 is then safe but not the limit, and they are refused too.
+//!
+//! So one contact limits the step to dt^2 s' mu = 1,
+//!
+//! ```text
+//! dt^2 = m/s + 1/(s mu) = 1/(r omega_e^2) + 1/(s mu)       (lumped bar on a wall: C^2 = 1/(4 r) + 1/(2 beta_s))
+//! ```
+//! *The ratio 1/4.* The step is at least 2/omega_e for every beta_s exactly when 1/(r omega_e^2) >= 4/omega_e^2, that
+//! is r <= 1/4, for any mass matrix, mesh and material. For one beta_s, r may rise to
+//! l_n/(4 omega_e^2) / (1 - l_n/(4 s mu)), with l_n the contact-free l_max; any r will do when 4 s mu <= l_n.
+//!
+//! *Beyond the contact-free step.* When 4 s' mu < l_n the closed contact slows the top mode down (z = -1 has 4 M + Z k Z'
+//! for M), and the limit, which is what is reported, may exceed 2/sqrt(l_n). In a run the contact opens, and then
+//! 2/sqrt(l_n) binds all the same. In l the condition reads l M - K + t(l) Z Z' >= 0 with t = s' l/(l - 4 s' mu), which is
+//! convex: over an interval t lies above its tangent, and a matrix affine in l is definite between two points at
+//! which it is. So intervals without a loss of stability are excluded by two signs each, from l_n downwards.
+//!
+//! dt^2 s' mu = 1 is at once the choice that takes the predicted penetration out within the step, the
+//! zero-penetration contact of Kwon, Kim, Cho, Gonzalez (Int. J. Numer. Meth. Eng. 2025, doi 10.1002/nme.70119). Ratios of
+//! bi-penalties for the spectrum were derived by Hetherington, Rodriguez-Ferran, Askes (2012, 2013).
+//!
+//! # Park
+//! At z = -1 with alpha = dt/dt_c, w = theta dt_c^2 alpha (1 - alpha^2)/6, b = w dt_c^2/2, a = dt^2/2 + w the scheme leaves
+//! (2 M - dt^2/2 K - b K M^-1 K) u = (a + b K M^-1) Z C Z' u, so that
+//!
+//! ```text
+//! det(I - C W) = 0      W(dt) = sum_i (Z'x_i)(Z'x_i)' (a + b l_i)/(2 - dt^2 l_i/2 - b l_i^2)
+//! ```
+//! The denominator has one root above l_n and one below 0; the partial fractions express W by Z'(K - l M)^-1 Z at the
+//! two, an elimination of the rows each ([`Flexibility`](crate::spectrum::Flexibility)); for small steps a power series
+//! with positive terms does. With dt_c = 2/sqrt(l_n), l_n as
+//! computed, and theta in [0, 1] every term of W increases with alpha in (0, 1): the numerator does, since
+//! d/d alpha (a + b l) >= dt_c^2 [alpha + theta (1 - 3 alpha^2)(1 + 2 x)/6] > 0 with x = l/l_n in [0, 1], and the
+//! denominator decreases likewise. So C W reaches its first eigenvalue 1 once, and never again falls below. That no
+//! other multiplier leaves the unit circle before is not proven; it was found on all of some hundred random scenes,
+//! penalties and theta against the dense amplification matrix (`tests/scheme_limits.rs`), several unlike contacts
+//! included, and there was no stable island above.
+//!
+//! For large s' the Park limit falls like 1/s' (theta > 0: W ~ w for small steps), faster than the 1/sqrt(s') of the others;
+//! and every contact that moves the top mode costs step at every ratio, since W grows without bound at dt_c.
+//!
+//! # Not offered
+//! The diagonalised mass penalty of a pair: (M + M_p)^-1 Z is then no multiple of M^-1 Z, and s' loses its meaning.
+
+mod growth;
+mod moments;
+mod park;
+mod predictor_corrector;
+
+use crate::error::Refusal;
+use crate::penalty::{Ratio, StiffnessPenalty};
+use crate::pencil::{Penalty, Pencil};
+use crate::schemes::Scheme;
+use crate::spectrum::{Enclosure, Engine, Flexibility, UNIT_ROUNDOFF, Uncertified, certify};
+
+use super::{ClosedForm, Model};
+
+/// The limit of the predictor-corrector or the Park scheme with closed contacts, as l = 4/dt^2.
+#[derive(Debug)]
+pub struct SchemeLimit<'a> {
+    scheme: Scheme,
+    theta: f64,
+    pencil: &'a Pencil,
+    flexibility: Flexibility<'a>,
+    /// G = Z'M^-1 Z, diagonal and beside it, 1/kg.
+    compliance: crate::pencil::Tridiagonal,
+    closed_form: ClosedForm,
+    contact_free: Enclosure,
+    /// Of the Park scheme.
+    moments: Option<moments::Moments>,
+}
+
+/// Relative error of a computed z'M^-1 z: the entries of M move by 8 unit roundoffs, and no vector sees the sum of
+/// their absolute values more than 3 times as large as M itself.
+const COMPLIANCE_ERROR: f64 = 32.0 * UNIT_ROUNDOFF;
+
+impl<'a> SchemeLimit<'a> {
+    /// The limit of `scheme` (averaging `theta` for Park) for `model`, whose pencil is `pencil`.
+    ///
+    /// # Errors
+    /// Refuses what [`SchemeLimit::check`] refuses and a contact-free l_max that cannot be certified.
+    pub fn new(model: &Model, pencil: &'a Pencil, scheme: Scheme, theta: f64) -> Result<Self, Refusal> {
+        let closed_form = ClosedForm::new(model.scene(), model.mass());
+        let contact_free = closed_form.enclose(&vec![Penalty::default(); model.scales().len()], None);
+        let uncertified =
+            |e| Refusal::new(model.scene().name(), e, "scenes whose contact-free limit is certified");
+        let flexibility = Flexibility::new(pencil);
+        let compliance = flexibility.of(0.0, 1.0).unwrap_or_default();
+        let contact_free = contact_free.map_err(uncertified)?;
+        let moments =
+            (scheme == Scheme::Park).then(|| moments::Moments::new(pencil, 4.0 / contact_free.value));
+        let limit =
+            Self { moments, scheme, theta, pencil, flexibility, compliance, closed_form, contact_free };
+        limit.check(model)?;
+        Ok(limit)
+    }
+
+    /// Refuses what the limits are not derived for.
+    ///
+    /// # Errors
+    /// The central difference scheme (its limit is the spectrum's), theta outside [0, 1], the diagonalised mass penalty
+    /// of a pair; for the predictor-corrector contacts that are not alike, and bodies of a single node.
+    fn check(&self, model: &Model) -> Result<(), Refusal> {
+        let refuse = |value: &str, allowed: &str| Err(Refusal::new("--limit", value, allowed));
+        if self.scheme == Scheme::CentralDifference {
+            return refuse(self.scheme.name(), "the engines of the spectrum for central differences");
+        }
+        if !(0.0..=1.0).contains(&self.theta) {
+            return Err(Refusal::new("--theta", self.theta, "a number in [0, 1]"));
+        }
+        let pair = |penalty: &Penalty| penalty.nodal_mass != 0.0;
+        let unit = model.penalties(StiffnessPenalty::new(1.0)?, Ratio::OPTIMAL);
+        if unit.iter().any(pair) {
+            let value = format!("{} with a diagonalised mass penalty between two bars", self.scheme.name());
+            return refuse(&value, "the consistent mass penalty, --penalty-mass consistent");
+        }
+        if self.scheme == Scheme::PredictorCorrector {
+            if self.flexibility.has_single_nodes_only() {
+                let value = format!("{} with contact between single nodes", self.scheme.name());
+                return refuse(&value, "bodies with at least two moving nodes");
+            }
+            if !self.contacts_are_alike(model) {
+                let value = format!("{} with unlike contacts", self.scheme.name());
+                let allowed = "one contact, or contacts of equal stiffness, frequency and nodal mass; \
+                    dt^2 s' mu <= 1 at each of them is safe, but not the limit";
+                return refuse(&value, allowed);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether C G is a multiple of the identity, to the rounding of its entries.
+    fn contacts_are_alike(&self, model: &Model) -> bool {
+        let close = |a: f64, b: f64| (a - b).abs() <= 2.0 * COMPLIANCE_ERROR * a.abs().max(b.abs());
+        let (own, beside) = (&self.compliance.diagonal, &self.compliance.off_diagonal);
+        let uncoupled = beside.iter().all(|g| g.abs() <= UNIT_ROUNDOFF * own[0]);
+        let scales = model.scales().windows(2).all(|pair| {
+            close(pair[0].stiffness, pair[1].stiffness)
+                && close(pair[0].element_eigenvalue, pair[1].element_eigenvalue)
+        });
+        uncoupled && scales && own.windows(2).all(|pair| close(pair[0], pair[1]))
+    }
+
+    /// The scheme.
+    pub fn scheme(&self) -> Scheme {
+        self.scheme
+    }
+
+    /// The contact-free l_max; Park's dt_c is 2/sqrt of it.
+    pub fn contact_free(&self) -> Enclosure {
+        self.contact_free
+    }
+
+    /// 4 s' mu, rad^2/s^2, the largest over the contacts: the l at which dt^2 s' mu = 1.
+    fn contact_eigenvalue(&self, penalties: &[Penalty]) -> f64 {
+        let own = self.compliance.diagonal.iter().zip(penalties);
+        own.map(|(mu, p)| {
+            if p.stiffness == 0.0 { 0.0 } else { 4.0 / (1.0 / (p.stiffness * mu) + p.mass / p.stiffness) }
+        })
+        .fold(0.0, f64::max)
+    }
+
+    /// Whether the closed contacts are proven to cost no step against the contact-free scene.
+    pub fn costs_nothing(&self, penalties: &[Penalty]) -> bool {
+        let q = self.contact_eigenvalue(penalties) * (1.0 + 2.0 * COMPLIANCE_ERROR);
+        q == 0.0 || (self.scheme == Scheme::PredictorCorrector && q <= self.contact_free.lower)
+    }
+
+    /// The largest ratio that costs no step at beta_s, as the theory has it; `None` if none costs any.
+    /// Predictor-corrector: 1/r = omega_e^2 (4/l_n - 1/(s mu)); Park: 0, each ratio costs.
+    pub fn expected_ratio(&self, model: &Model, beta_s: StiffnessPenalty) -> Option<f64> {
+        let (scale, mu) = (model.scales().first()?, self.compliance.diagonal[0]);
+        let stiffness = beta_s.get() * scale.stiffness;
+        if self.scheme == Scheme::Park {
+            return (stiffness > 0.0).then_some(0.0);
+        }
+        let left = 4.0 / self.contact_free.value - 1.0 / (stiffness * mu);
+        (left > 0.0).then(|| 1.0 / (scale.element_eigenvalue * left))
+    }
+
+    /// The ratio with which dt^2 s' mu = 1 at dt = `relative_courant` times the contact-free step: the contact of
+    /// zero penetration (Kwon et al. 2025), 1/r = omega_e^2 (dt^2 - 1/(s mu)). The predictor-corrector is then run on
+    /// the verge of its limit.
+    ///
+    /// # Errors
+    /// Refuses a step outside (0, 1], unlike contacts, and a beta_s so small that not even a pure penalty reaches
+    /// dt^2 s' mu = 1: beta_s EA/h <= 1/(mu dt^2).
+    pub fn plastic_ratio(
+        &self,
+        model: &Model,
+        beta_s: StiffnessPenalty,
+        relative_courant: f64,
+    ) -> Result<Ratio, Refusal> {
+        if !(relative_courant > 0.0 && relative_courant <= 1.0) {
+            return Err(Refusal::new("--relative-courant", relative_courant, "a number in (0, 1]"));
+        }
+        let Some(scale) = model.scales().first().filter(|_| self.contacts_are_alike(model)) else {
+            return Err(Refusal::new("--ratio", "plastic", "a scene whose contacts are alike"));
+        };
+        let mu = self.compliance.diagonal[0];
+        let squared_step = 4.0 * relative_courant * relative_courant / self.contact_free.value;
+        let left = squared_step - 1.0 / (beta_s.get() * scale.stiffness * mu);
+        if left <= COMPLIANCE_ERROR * squared_step {
+            let least = 1.0 / (mu * squared_step * scale.stiffness);
+            let value = format!("plastic with beta_s = {:e}", beta_s.get());
+            return Err(Refusal::new("--ratio", value, format!("beta_s above {least:e} at this step")));
+        }
+        Ratio::new(1.0 / (scale.element_eigenvalue * left))
+    }
+
+    /// The points (beta_s, r) whose limit is l satisfy 1/(beta_s k_e) + mu/(r omega_e^2) = W: this W, m/N, for a scene
+    /// with one contact and l at least the contact-free l_max.
+    pub fn effective_flexibility(&self, l: f64) -> Option<f64> {
+        if self.compliance.diagonal.len() != 1 || l < self.contact_free.value {
+            return None;
+        }
+        match self.scheme {
+            Scheme::Park => self.park_flexibility((self.contact_free.value / l).sqrt()),
+            _ => Some(4.0 * self.compliance.diagonal[0] / l),
+        }
+    }
+
+    /// mu of the first contact, 1/kg.
+    pub fn compliance(&self) -> f64 {
+        self.compliance.diagonal.first().copied().unwrap_or(0.0)
+    }
+}
+
+impl Engine for SchemeLimit<'_> {
+    fn name(&self) -> &'static str {
+        match self.scheme {
+            Scheme::Park => "multiplier-minus-one",
+            _ => "closed-form",
+        }
+    }
+
+    fn estimate(&self, penalties: &[Penalty], start: Option<f64>) -> f64 {
+        self.enclose(penalties, start).map_or_else(|uncertified| uncertified.value, |l| l.value)
+    }
+
+    fn enclose(&self, penalties: &[Penalty], _start: Option<f64>) -> Result<Enclosure, Uncertified> {
+        if self.contact_eigenvalue(penalties) == 0.0 {
+            return certify(self.contact_free);
+        }
+        match self.scheme {
+            Scheme::Park => self.enclose_park(penalties),
+            _ => self.enclose_predictor_corrector(penalties),
+        }
+    }
+}

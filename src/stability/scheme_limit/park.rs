@@ -1,0 +1,200 @@
+//! alpha = dt/dt_c at which the multiplier -1 of the Park scheme appears.
+//!
+//! In units of dt_c the characteristic function of a real multiplier z <= -1 has, mode by mode, the term
+//!
+//! ```text
+//! (a + b x)/(c_0 - c_1 x - b x^2)      x = l dt_c^2      c_0 = 1 - z      c_1 = alpha^2 z/(z - 1)
+//! a = c_1 + w      b = w (1 + alpha (z+1)/(z-1))/2      w = theta alpha (1 - alpha^2)/6
+//! ```
+//! With q = c_1/2 + sqrt(c_1^2/4 + b c_0) its poles are c_0/q > 0 and -q/b < 0, and with e = b c_0/q its partial
+//! fractions are p/(c_0/q - x) - v/(x + q/b), p = (a + e)/(e + q), v = (e - w)/(e + q) >= 0, as a - q = w - e. For small
+//! steps both poles are far and their terms cancel; there the power series takes over.
+
+use super::{COMPLIANCE_ERROR, SchemeLimit};
+use crate::pencil::{Penalty, Tridiagonal};
+use crate::spectrum::{Enclosure, UNIT_ROUNDOFF, Uncertified, certify, find_sign_change};
+
+/// The partial fractions of the characteristic function.
+#[derive(Debug, Clone, Copy)]
+struct Fractions {
+    /// The pole above the spectrum over l_n.
+    above: f64,
+    /// Minus the pole below zero over l_n; infinite without pullback.
+    below: f64,
+    /// p.
+    gain: f64,
+    /// v.
+    loss: f64,
+    /// a, b, c_0, c_1.
+    coefficients: [f64; 4],
+}
+
+impl Fractions {
+    /// For the multiplier -1 - `growth`.
+    fn new(theta: f64, alpha: f64, growth: f64) -> Self {
+        let w = theta * alpha * (1.0 - alpha) * (1.0 + alpha) / 6.0;
+        let c0 = 2.0 + growth;
+        let c1 = alpha * alpha * ((1.0 + growth) / c0);
+        let b = 0.5 * w * (1.0 + alpha * (growth / c0));
+        let q = 0.5 * c1 + (0.5 * c1).hypot((b * c0).sqrt());
+        let e = b * (c0 / q);
+        // Over l_n: x = 4 l/l_n.
+        Self {
+            above: 0.25 * c0 / q,
+            below: 0.25 * q / b,
+            gain: (c1 + w + e) / (e + q),
+            loss: (e - w).max(0.0) / (e + q),
+            coefficients: [c1 + w, b, c0, c1],
+        }
+    }
+
+    /// Whether the poles are so far from the spectrum that the power series is the better form.
+    fn is_far(&self) -> bool {
+        let [_, b, c0, c1] = self.coefficients;
+        4.0 * c1 + 16.0 * b <= 0.25 * c0
+    }
+}
+
+/// Which way the errors of W are tilted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Tilt {
+    None,
+    /// W as large as its error allows: a stable sign is proven.
+    Pessimistic,
+    /// W as small as its error allows: an unstable sign is proven.
+    Optimistic,
+}
+
+impl SchemeLimit<'_> {
+    pub(super) fn enclose_park(&self, penalties: &[Penalty]) -> Result<Enclosure, Uncertified> {
+        let alpha = self.park_alpha(penalties);
+        let free = self.contact_free;
+        // Two signs with the error of W on the right side prove the value; the interval widens until they do.
+        let mut spread = 4.0 * f64::EPSILON;
+        while spread < 1e-12 {
+            let (low, high) = (alpha * (1.0 - spread), (alpha * (1.0 + spread)).min(1.0));
+            let stable = self.margin(penalties, low, 0.0, Tilt::Pessimistic) > 0.0;
+            let (l_low, l_high) = (free.value / (high * high), free.value / (low * low));
+            if stable && (high == 1.0 || self.margin(penalties, high, 0.0, Tilt::Optimistic) < 0.0) {
+                let rounding = 4.0 * f64::EPSILON;
+                // At dt_c the contact-free scheme itself ends, at the exact l_n.
+                let lower = if high == 1.0 { free.lower } else { l_low * (1.0 - rounding) };
+                let value = free.value / (alpha * alpha);
+                return certify(Enclosure { value, lower, upper: l_high * (1.0 + rounding) });
+            }
+            spread *= 1.25;
+        }
+        Err(Uncertified { value: free.value / (alpha * alpha), width: f64::INFINITY })
+    }
+
+    /// The alpha in (0, 1] at which the margin changes sign.
+    fn park_alpha(&self, penalties: &[Penalty]) -> f64 {
+        let deficit = |alpha: f64| -self.margin(penalties, alpha, 0.0, Tilt::None);
+        let mut high = (1.0, deficit(1.0));
+        if high.1 < 0.0 {
+            return 1.0;
+        }
+        let mut low = (0.5, deficit(0.5));
+        while low.1 >= 0.0 && low.0 > f64::MIN_POSITIVE {
+            // W falls at least like alpha.
+            high = low;
+            let drop = 0.5 * (1.0 - low.1) / (1.0 + low.1);
+            let alpha = low.0 * drop.clamp(1e-6, 0.5);
+            low = (alpha, deficit(alpha));
+        }
+        let (low, high) = find_sign_change(low, high, 2.0 * f64::EPSILON, deficit);
+        low + 0.5 * (high - low)
+    }
+
+    /// |z| - 1 > 0 of the real multiplier beyond -1 at dt = `alpha` dt_c: the growth in a step just above the limit.
+    /// 0 below the limit; alpha in (0, 1].
+    pub(super) fn park_growth(&self, penalties: &[Penalty], alpha: f64) -> f64 {
+        let margin = |growth: f64| self.margin(penalties, alpha, growth, Tilt::None);
+        if margin(0.0) >= 0.0 {
+            return 0.0;
+        }
+        let (mut low, mut high) = (f64::EPSILON * f64::EPSILON, f64::EPSILON);
+        while margin(high) < 0.0 && high < f64::MAX {
+            (low, high) = (high, 4.0 * high);
+        }
+        let (low, high) =
+            find_sign_change((low, margin(low)), (high, margin(high)), f64::EPSILON.sqrt(), margin);
+        low + 0.5 * (high - low)
+    }
+
+    /// W of the single contact at alpha, m/N.
+    pub(super) fn park_flexibility(&self, alpha: f64) -> Option<f64> {
+        let (gained, lost) = self.sides(Fractions::new(self.theta, alpha, 0.0), Tilt::None)?;
+        Some(gained.diagonal[0] - lost.diagonal[0])
+    }
+
+    /// p F(above) and v F(below), m/N; `None` if the upper pole is not above the spectrum.
+    fn sides(&self, fractions: Fractions, tilt: Tilt) -> Option<(Tridiagonal, Tridiagonal)> {
+        let (free, bound) = (self.contact_free, self.pencil.element_bound());
+        let sign = match tilt {
+            Tilt::None => 0.0,
+            Tilt::Pessimistic => 1.0,
+            Tilt::Optimistic => -1.0,
+        };
+        // The elimination moves l by 8 unit roundoffs of l + B, the pole takes 8 more. The eliminations from both ends
+        // of a bar between two contacts differ by as much again.
+        let several = if self.compliance.diagonal.len() > 1 { 2.0 } else { 1.0 };
+        let error = |l: f64| 8.0 * UNIT_ROUNDOFF * (2.0 + bound / l) * several;
+        if let (true, Some(moments)) = (fractions.is_far(), &self.moments) {
+            let mut gained = moments.series(fractions.coefficients, sign);
+            let squared_step = 4.0 / free.value;
+            gained.diagonal.iter_mut().chain(&mut gained.off_diagonal).for_each(|w| *w *= squared_step);
+            let lost = Tridiagonal {
+                diagonal: vec![0.0; gained.diagonal.len()],
+                off_diagonal: vec![0.0; gained.off_diagonal.len()],
+            };
+            return Some((gained, lost));
+        }
+        let upper = free.value * fractions.above;
+        let mut gained = self.flexibility.of(-1.0, upper * (1.0 - sign * error(upper)))?;
+        let mut lost = Tridiagonal {
+            diagonal: vec![0.0; gained.diagonal.len()],
+            off_diagonal: vec![0.0; gained.off_diagonal.len()],
+        };
+        let lower = free.value * fractions.below;
+        if fractions.loss > 0.0 && lower.is_finite() {
+            lost = self.flexibility.of(1.0, lower * (1.0 + sign * error(lower)))?;
+        }
+        let scale = |side: &mut Tridiagonal, factor: f64| {
+            side.diagonal.iter_mut().chain(&mut side.off_diagonal).for_each(|entry| *entry *= factor);
+        };
+        scale(&mut gained, fractions.gain);
+        scale(&mut lost, fractions.loss);
+        Some((gained, lost))
+    }
+
+    /// The last pivot of C^-1 - W over its own size, in [-1, 1]: positive while the multiplier -1 - `growth` lies beyond
+    /// the spectrum; -1 if an earlier pivot is not positive. C^-1 = S^-1 + diag(m/s) G.
+    fn margin(&self, penalties: &[Penalty], alpha: f64, growth: f64, tilt: Tilt) -> f64 {
+        let Some((gained, lost)) = self.sides(Fractions::new(self.theta, alpha, growth), tilt) else {
+            return -1.0;
+        };
+        // The fractions take fewer than 16 roundings, C^-1 those of mu and 4 more.
+        let slack = match tilt {
+            Tilt::None => 0.0,
+            Tilt::Pessimistic => 1.0,
+            Tilt::Optimistic => -1.0,
+        } * (COMPLIANCE_ERROR + 20.0 * UNIT_ROUNDOFF);
+        let (own, beside) = (&self.compliance.diagonal, &self.compliance.off_diagonal);
+        let (mut carried, mut margin) = (0.0, -1.0);
+        for (j, p) in penalties.iter().enumerate() {
+            let inverse = (1.0 / p.stiffness + (p.mass / p.stiffness) * own[j]) * (1.0 - slack);
+            let w = gained.diagonal[j] * (1.0 + slack) - lost.diagonal[j] * (1.0 - slack);
+            let pivot = inverse - w - carried;
+            margin = pivot / (inverse + w + carried);
+            let Some(next) = penalties.get(j + 1) else { break };
+            if pivot.is_nan() || pivot <= 0.0 {
+                return -1.0;
+            }
+            let w = gained.off_diagonal[j] - lost.off_diagonal[j];
+            let off = |p: &Penalty| (p.mass / p.stiffness) * beside[j] - w;
+            carried = off(p) * (off(next) / pivot);
+        }
+        margin
+    }
+}

@@ -1,0 +1,99 @@
+//! l = 4/dt^2 of the predictor-corrector: 4 s' mu, or below the contact-free l_max the first loss of definiteness.
+
+use super::{COMPLIANCE_ERROR, SchemeLimit};
+use crate::pencil::Penalty;
+use crate::spectrum::{Enclosure, UNIT_ROUNDOFF, Uncertified, WIDEST_ENCLOSURE, certify};
+
+impl SchemeLimit<'_> {
+    pub(super) fn enclose_predictor_corrector(
+        &self,
+        penalties: &[Penalty],
+    ) -> Result<Enclosure, Uncertified> {
+        let q = self.contact_eigenvalue(penalties);
+        // 4 s' mu takes 5 roundings beside those of mu.
+        let kappa = COMPLIANCE_ERROR + 6.0 * UNIT_ROUNDOFF;
+        let explicit = Enclosure { value: q, lower: q * (1.0 - kappa), upper: q * (1.0 + kappa) };
+        if explicit.lower >= self.contact_free.upper {
+            return certify(explicit);
+        }
+        if q >= self.contact_free.lower {
+            let free = self.contact_free;
+            return certify(Enclosure {
+                value: q.max(free.value),
+                lower: explicit.lower.min(free.lower),
+                upper: explicit.upper.max(free.upper),
+            });
+        }
+        let definite = Definite { limit: self, q, mu: self.compliance() };
+        match definite.last_loss(q, self.contact_free.upper, 0) {
+            None => certify(explicit),
+            Some((low, high)) => definite.prove(low, high, explicit.lower),
+        }
+    }
+}
+
+/// The sign of l M - K + t(l) Z Z' with t(l) = s' l/(l - q), q = 4 s' mu.
+pub(super) struct Definite<'a> {
+    pub limit: &'a SchemeLimit<'a>,
+    pub q: f64,
+    pub mu: f64,
+}
+
+impl Definite<'_> {
+    /// Whether l M - K + t Z Z' > 0.
+    pub fn holds(&self, l: f64, t: f64) -> bool {
+        let contact = Penalty { stiffness: -t, ..Penalty::default() };
+        let contacts = vec![contact; self.limit.compliance.diagonal.len()];
+        self.limit.closed_form.is_above_spectrum(&contacts, l)
+    }
+
+    /// t(l), N/m.
+    fn stiffness(&self, l: f64) -> f64 {
+        0.25 * self.q / self.mu * (l / (l - self.q))
+    }
+
+    /// The highest interval of [low, high] in which definiteness is lost, narrowed to rounding; `None` if it is
+    /// nowhere. The tangent of t at the middle lies below t, and the matrix with the tangent is affine in l.
+    fn last_loss(&self, low: f64, high: f64, depth: usize) -> Option<(f64, f64)> {
+        let middle = low + 0.5 * (high - low);
+        let slope = -self.stiffness(middle) * (self.q / middle) / (middle - self.q);
+        let tangent = |l: f64| self.stiffness(middle) + slope * (l - middle);
+        let kept = 1.0 - self.contact_error(middle);
+        let proven = |l: f64| self.holds(l * (1.0 - self.error(l)), tangent(l) * kept);
+        if proven(high) && proven(low) {
+            return None;
+        }
+        // 64 halvings exhaust f64; an interval of 4 units in the last place is a point.
+        if depth >= 64 || high - low <= 8.0 * UNIT_ROUNDOFF * high {
+            return Some((low, high));
+        }
+        self.last_loss(middle, high, depth + 1).or_else(|| self.last_loss(low, middle, depth + 1))
+    }
+
+    /// Relative error of l that stands for the rounding of T(l) in the closed form.
+    fn error(&self, l: f64) -> f64 {
+        28.0 * UNIT_ROUNDOFF * (1.0 + self.limit.pencil.element_bound() / l)
+    }
+
+    /// Relative error of t(l): that of mu and a few roundings, enlarged by the difference l - q.
+    fn contact_error(&self, l: f64) -> f64 {
+        (COMPLIANCE_ERROR + 8.0 * UNIT_ROUNDOFF) * (l / (l - self.q))
+    }
+
+    /// Above `high` nothing is lost, and below `floor` = 4 s' mu all is; between them a sign a little below `low`, with
+    /// its rounding to the safe side, proves the loss.
+    fn prove(&self, low: f64, high: f64, floor: f64) -> Result<Enclosure, Uncertified> {
+        let value = low + 0.5 * (high - low);
+        let mut spread = 4.0 * f64::EPSILON;
+        let mut lower = floor;
+        while spread < WIDEST_ENCLOSURE && low * (1.0 - spread) > floor.max(self.q) {
+            let l = low * (1.0 - spread);
+            if !self.holds(l * (1.0 + self.error(l)), self.stiffness(l) * (1.0 + self.contact_error(l))) {
+                lower = l;
+                break;
+            }
+            spread *= 1.5;
+        }
+        certify(Enclosure { value, lower, upper: high })
+    }
+}

@@ -1,0 +1,431 @@
+//! The limits of the predictor-corrector and the Park scheme against their dense amplification matrices.
+//!
+//! A multiplier counts as outside the unit circle beyond 1 + TOLERANCE. Rigid motion has the defective multiplier 1,
+//! which rounding splits by sqrt(eps) = 1.5e-8 times the norm of the matrix: so multipliers nearer to 1 than
+//! RIGID = 1e-4 are left out, and TOLERANCE is 1e-7.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use bipenalty::fem::MassMatrix;
+use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
+use bipenalty::pencil::{Gap, Penalty, Pencil, Tridiagonal};
+use bipenalty::scene::{Bar, End, Scene};
+use bipenalty::schemes::Scheme;
+use bipenalty::spectrum::Engine;
+use bipenalty::stability::{Model, SchemeLimit};
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+
+const TOLERANCE: f64 = 1e-7;
+const RIGID: f64 = 1e-4;
+
+fn dense(matrix: &Tridiagonal) -> Mat<f64> {
+    let n = matrix.diagonal.len();
+    Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
+        0 => matrix.diagonal[i],
+        1 => matrix.off_diagonal[i.min(j)],
+        _ => 0.0,
+    })
+}
+
+/// K, M and the columns of Z with the contact terms: what the schemes apply to a vector, as dense matrices.
+struct Dense {
+    /// M^-1 K.
+    free: Mat<f64>,
+    /// (M + Z m Z')^-1 Z s Z'.
+    contact: Mat<f64>,
+}
+
+impl Dense {
+    fn new(pencil: &Pencil, penalties: &[Penalty]) -> Self {
+        let n = pencil.size();
+        let (k, m) = (dense(pencil.stiffness()), dense(pencil.mass()));
+        let (mut kp, mut mp) = (Mat::<f64>::zeros(n, n), m.clone());
+        for (gap, p) in pencil.gaps().iter().zip(penalties) {
+            let column: Vec<(usize, f64)> = match *gap {
+                Gap::Wall { node } => vec![(node, 1.0)],
+                Gap::Pair { left } => vec![(left, 1.0), (left + 1, -1.0)],
+            };
+            for (i, a) in &column {
+                for (j, b) in &column {
+                    kp[(*i, *j)] += p.stiffness * a * b;
+                    mp[(*i, *j)] += p.mass * a * b;
+                }
+            }
+        }
+        Self { free: m.partial_piv_lu().solve(&k), contact: mp.partial_piv_lu().solve(&kp) }
+    }
+
+    fn size(&self) -> usize {
+        self.free.nrows()
+    }
+
+    /// u, v -> u, v of the predictor-corrector, acting on a basis of states: (M^-1 K and the contact as matrices).
+    fn predictor_corrector(&self, dt: f64) -> Mat<f64> {
+        let n = self.size();
+        let (u, v) = (basis(n, 2, 0), basis(n, 2, 1));
+        let rate = &self.free * &u * -1.0;
+        let velocity = &v + &rate * dt;
+        let predicted = &u + &velocity * dt;
+        let velocity = velocity - &self.contact * &predicted * dt;
+        let displacement = &u + &velocity * dt;
+        stack(&[displacement, velocity])
+    }
+
+    /// u, v, a -> u, v, a of the Park scheme as the paper writes it (4.5).
+    fn park(&self, dt: f64, far: f64, theta: f64) -> Mat<f64> {
+        let n = self.size();
+        let (u, v, a) = (basis(n, 3, 0), basis(n, 3, 1), basis(n, 3, 2));
+        let alpha = dt / far;
+        let b1 = alpha / 6.0 * (1.0 + 3.0 * alpha - alpha * alpha);
+        let b2 = alpha / 6.0 * (alpha * alpha - 1.0);
+        let ahead = &u + &v * far + &a * (0.5 * far * far);
+        let ahead_rate = &self.free * &ahead * -1.0;
+        let pulled = &u + &v * dt + &a * (far * far * b1) + &ahead_rate * (far * far * b2);
+        let pushed = &u + &v * dt + &a * (0.5 * dt * dt);
+        let displacement = &pulled * theta + &pushed * (1.0 - theta);
+        let rate = (&self.free * &displacement + &self.contact * &displacement) * -1.0;
+        let velocity = &v + (&a + &rate) * (0.5 * dt);
+        stack(&[displacement, velocity, rate])
+    }
+}
+
+/// The unit states of part `part` of `parts`, n x (parts n).
+fn basis(n: usize, parts: usize, part: usize) -> Mat<f64> {
+    Mat::from_fn(n, parts * n, |i, j| f64::from(u8::from(j == part * n + i)))
+}
+
+fn stack(parts: &[Mat<f64>]) -> Mat<f64> {
+    let n = parts[0].nrows();
+    Mat::from_fn(n * parts.len(), parts[0].ncols(), |i, j| parts[i / n][(i % n, j)])
+}
+
+/// Multipliers outside the unit circle, and the largest modulus, rigid motion left out.
+fn outside(matrix: &Mat<f64>) -> (usize, f64) {
+    let multipliers = matrix.eigenvalues().expect("eigenvalues of the amplification matrix");
+    let moduli = multipliers.iter().filter(|z| (z.re - 1.0).hypot(z.im) > RIGID).map(|z| z.re.hypot(z.im));
+    moduli.fold((0, 0.0), |(count, largest), modulus: f64| {
+        (count + usize::from(modulus > 1.0 + TOLERANCE), largest.max(modulus))
+    })
+}
+
+/// Reproducible numbers in [0, 1): a 64-bit linear congruence (Knuth's MMIX constants).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+
+    fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
+        choices[(self.next() * choices.len() as f64) as usize]
+    }
+
+    fn bar(&mut self, spread: f64) -> Bar {
+        let elements = 1 + (7.0 * self.next()) as usize;
+        Bar {
+            length: elements as f64 * 10f64.powf(self.between(-spread, spread)),
+            elements,
+            youngs_modulus: 10f64.powf(self.between(-spread, spread)),
+            density: 10f64.powf(self.between(-spread, spread)),
+            area: 10f64.powf(self.between(-spread, spread)),
+            velocity: 0.0,
+        }
+    }
+
+    /// One bar on a wall or two unequal bars, free, fixed at the far end or not.
+    fn scene(&mut self) -> Scene {
+        let far = self.one_of(&[End::Free, End::Free, End::Fixed]);
+        if self.next() < 0.4 {
+            let mut bar = self.bar(0.5);
+            bar.elements = bar.elements.max(2);
+            return Scene::new("random", far, vec![bar], End::Wall, None).unwrap();
+        }
+        let spread = self.one_of(&[0.0, 1.0]);
+        let bars = vec![self.bar(spread), self.bar(spread)];
+        Scene::new("random", End::Free, bars, far, None).unwrap()
+    }
+
+    fn mass(&mut self) -> MassMatrix {
+        MassMatrix::new(self.one_of(&[0.0, 0.3, 0.5, 1.0])).unwrap()
+    }
+}
+
+fn penalties(model: &Model, beta_s: f64, ratio: f64) -> Vec<Penalty> {
+    model.penalties(StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(ratio).unwrap())
+}
+
+/// dt of the limit over the contact-free one.
+fn relative_limit(limit: &SchemeLimit<'_>, penalties: &[Penalty]) -> f64 {
+    let l = limit.enclose(penalties, None).unwrap_or_else(|e| {
+        panic!("{:?}, {penalties:?}, contact-free {:?}: {e}", limit.scheme(), limit.contact_free())
+    });
+    assert!(l.lower <= l.value && l.value <= l.upper && l.relative_width() < 2e-13);
+    (limit.contact_free().value / l.value).sqrt()
+}
+
+/// The limit of `scheme` with its dense matrix as a function of dt over the contact-free step.
+fn with_limit<R>(
+    model: &Model,
+    scheme: Scheme,
+    theta: f64,
+    penalties: &[Penalty],
+    check: impl FnOnce(f64, &dyn Fn(f64) -> Mat<f64>, &SchemeLimit<'_>) -> R,
+) -> R {
+    let pencil = model.pencil();
+    let limit = SchemeLimit::new(model, &pencil, scheme, theta).unwrap();
+    let dense = Dense::new(&pencil, penalties);
+    let far = 2.0 / limit.contact_free().value.sqrt();
+    let matrix = |c: f64| match scheme {
+        Scheme::Park => dense.park(c * far, far, theta),
+        _ => dense.predictor_corrector(c * far),
+    };
+    check(relative_limit(&limit, penalties), &matrix, &limit)
+}
+
+#[test]
+fn every_multiplier_is_inside_below_the_limit_and_one_outside_above() {
+    let mut numbers = Numbers(1);
+    let (mut seen, mut unseen) = ([0; 2], [0; 2]);
+    for point in 0..200 {
+        let scene = numbers.scene();
+        let model = Model::new(scene, numbers.mass(), PenaltyMass::Consistent);
+        let (beta_s, ratio) =
+            (10f64.powf(numbers.between(-2.0, 6.0)), 10f64.powf(numbers.between(-2.0, 2.0)));
+        let theta = numbers.one_of(&[0.0, 0.1, 0.25, 0.5, 0.75, 1.0]);
+        let penalties = penalties(&model, beta_s, ratio);
+        for (which, scheme) in [Scheme::PredictorCorrector, Scheme::Park].into_iter().enumerate() {
+            with_limit(&model, scheme, theta, &penalties, |limit, matrix, engine| {
+                let place = || {
+                    format!(
+                        "point {point}, {scheme:?}, beta_s = {beta_s:e}, r = {ratio:e}, theta = {theta}, {model:?}"
+                    )
+                };
+                for below in [0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.999] {
+                    let (count, largest) = outside(&matrix(below * limit));
+                    assert_eq!(count, 0, "|z| = {largest} at {below} of {limit}: {}", place());
+                }
+                let mut above = 1.0 + 2e-3;
+                if scheme == Scheme::Park && limit < 1.0 {
+                    above = (above * limit).min(0.5 * (1.0 + limit)) / limit;
+                }
+                let (count, largest) = outside(&matrix(above * limit));
+                let Some(growth) = engine.growth(&penalties, above * limit) else {
+                    assert!(limit == 1.0 && count > 0, "stable beyond dt_c: {}", place());
+                    return;
+                };
+                if growth > 10.0 * TOLERANCE {
+                    seen[which] += 1;
+                    assert!(count > 0, "stable at {above} of {limit}, predicted {growth:e}: {}", place());
+                    let ratio = (largest - 1.0) / growth;
+                    assert!(
+                        (0.5..2.0).contains(&ratio),
+                        "growth {largest} - 1 = {ratio} of {growth:e}: {}",
+                        place()
+                    );
+                } else {
+                    unseen[which] += 1;
+                    assert!(
+                        largest - 1.0 < 20.0 * TOLERANCE,
+                        "|z| = {largest}, predicted {growth:e}: {}",
+                        place()
+                    );
+                }
+            });
+        }
+    }
+    println!("growth seen (predictor-corrector, Park): {seen:?}, below the tolerance: {unseen:?}");
+    assert!(seen[0] >= 100 && seen[1] >= 150, "{seen:?} seen, {unseen:?} below the tolerance");
+}
+
+fn bar(elements: usize) -> Bar {
+    Bar { length: elements as f64, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 }
+}
+
+fn on_a_wall(elements: usize, gamma: f64) -> Model {
+    let scene = Scene::new("wall", End::Free, vec![bar(elements)], End::Wall, None).unwrap();
+    Model::new(scene, MassMatrix::new(gamma).unwrap(), PenaltyMass::Consistent)
+}
+
+fn relative(model: &Model, scheme: Scheme, theta: f64, beta_s: f64, ratio: f64) -> f64 {
+    let pencil = model.pencil();
+    let limit = SchemeLimit::new(model, &pencil, scheme, theta).unwrap();
+    relative_limit(&limit, &penalties(model, beta_s, ratio))
+}
+
+#[test]
+fn the_predictor_corrector_keeps_half_the_step_of_a_stiff_optimal_penalty() {
+    // C^2 = 1/(2 beta_s) + 1/(4 r) of a lumped bar on a wall.
+    for (beta_s, ratio) in
+        [(1.0, 1.0), (2.0, 1.0), (10.0, 1.0), (1e4, 1.0), (1e12, 2.0), (50.0, f64::INFINITY)]
+    {
+        for elements in [1, 10, 333] {
+            let expected = (0.5 / beta_s + 0.25 / ratio).sqrt();
+            let found = relative(&on_a_wall(elements, 1.0), Scheme::PredictorCorrector, 0.5, beta_s, ratio);
+            assert!((found / expected - 1.0).abs() < 1e-13, "beta_s = {beta_s}: {found} is not {expected}");
+        }
+    }
+    let consistent = relative(&on_a_wall(7, 0.0), Scheme::PredictorCorrector, 0.5, 30.0, 1.0);
+    assert!((consistent - 0.52808).abs() < 5e-6, "{consistent}");
+    let two = Scene::new("two", End::Free, vec![bar(5), bar(10)], End::Free, None).unwrap();
+    let two = Model::new(two, MassMatrix::LUMPED, PenaltyMass::Consistent);
+    let found = relative(&two, Scheme::PredictorCorrector, 0.5, 1.0, 1.0);
+    assert!((found - 0.5f64.sqrt()).abs() < 1e-13, "{found}");
+}
+
+#[test]
+fn the_park_scheme_loses_three_tenths_of_the_step_to_a_stiff_optimal_penalty() {
+    let found = relative(&on_a_wall(10, 1.0), Scheme::Park, 0.5, 1e4, 1.0);
+    assert!((found - 0.7072).abs() < 5e-5, "{found}");
+}
+
+#[test]
+fn the_park_scheme_without_pullback_has_the_limit_of_its_effective_stiffness() {
+    // theta = 0 leaves central differences with s' for s and no mass penalty.
+    for gamma in [0.0, 0.5, 1.0] {
+        for (beta_s, ratio) in [(0.01, 1.0), (3.0, 0.5), (1e5, 20.0), (1e9, f64::INFINITY)] {
+            let model = on_a_wall(6, gamma);
+            let pencil = model.pencil();
+            let p = penalties(&model, beta_s, ratio)[0];
+            let left = Penalty {
+                stiffness: p.stiffness / (1.0 + p.mass * pencil.compliance()[0]),
+                ..Default::default()
+            };
+            let l_max = bipenalty::spectrum::Sturm::new(&pencil).enclose(&[left], None).unwrap().value;
+            let limit = SchemeLimit::new(&model, &pencil, Scheme::Park, 0.0).unwrap();
+            let found = limit.enclose(&[p], None).unwrap();
+            assert!((found.value / l_max - 1.0).abs() < 2e-13, "{} is not {l_max}", found.value);
+        }
+    }
+}
+
+#[test]
+fn a_quarter_is_the_largest_ratio_free_of_cost_to_the_predictor_corrector() {
+    let mut numbers = Numbers(4);
+    for point in 0..200 {
+        let scene = numbers.scene();
+        let model = Model::new(scene, numbers.mass(), PenaltyMass::Consistent);
+        let top = {
+            let pencil = model.pencil();
+            let limit = SchemeLimit::new(&model, &pencil, Scheme::PredictorCorrector, 0.5).unwrap();
+            // r* is measured in the frequency of the elements that touch; r = 1/4 keeps their limit.
+            limit.contact_free().value / model.scales()[0].element_eigenvalue
+        };
+        let beta_s = 10f64.powf(numbers.between(5.0, 9.0));
+        let kept = relative(&model, Scheme::PredictorCorrector, 0.5, beta_s, 0.25 * top);
+        let lost = relative(&model, Scheme::PredictorCorrector, 0.5, beta_s, 0.26 * top);
+        assert!(kept >= 1.0 - 1e-13, "point {point}: {kept} at r = 0.25");
+        assert!(lost < 1.0 - 1e-3, "point {point}: {lost} at r = 0.26");
+    }
+}
+
+#[test]
+fn several_contacts_are_limited_together() {
+    let mut numbers = Numbers(9);
+    for point in 0..60 {
+        let alike = numbers.next() < 0.5;
+        let bars: Vec<Bar> = if alike {
+            vec![bar(2 + (5.0 * numbers.next()) as usize); 1 + (2.0 * numbers.next()) as usize]
+        } else {
+            (0..3).map(|_| numbers.bar(0.5)).collect()
+        };
+        let walls = if bars.len() == 2 { (End::Free, End::Free) } else { (End::Wall, End::Wall) };
+        let scene = Scene::new("row", walls.0, bars, walls.1, None).unwrap();
+        let mass = if alike { MassMatrix::LUMPED } else { numbers.mass() };
+        let model = Model::new(scene, mass, PenaltyMass::Consistent);
+        let p =
+            penalties(&model, 10f64.powf(numbers.between(0.0, 4.0)), 10f64.powf(numbers.between(-0.3, 1.0)));
+        let theta = numbers.one_of(&[0.25, 0.5, 1.0]);
+        let schemes: &[Scheme] =
+            if alike { &[Scheme::PredictorCorrector, Scheme::Park] } else { &[Scheme::Park] };
+        for scheme in schemes {
+            with_limit(&model, *scheme, theta, &p, |limit, matrix, _| {
+                for below in [0.3, 0.8, 0.999] {
+                    let (count, largest) = outside(&matrix(below * limit));
+                    assert_eq!(count, 0, "point {point}, {scheme:?}: |z| = {largest} at {below} of {limit}");
+                }
+                let (_, largest) = outside(&matrix(1.02 * limit));
+                assert!(largest > 1.0 + 1e-9, "point {point}, {scheme:?}: stable above {limit}");
+            });
+        }
+    }
+}
+
+#[test]
+fn no_island_of_stability_lies_above_a_limit() {
+    let mut numbers = Numbers(16);
+    let (mut looked, mut beyond) = (0, 0);
+    for point in 0..40 {
+        let model = Model::new(numbers.scene(), numbers.mass(), PenaltyMass::Consistent);
+        let p =
+            penalties(&model, 10f64.powf(numbers.between(-1.5, 3.0)), 10f64.powf(numbers.between(-1.5, 1.0)));
+        let theta = numbers.one_of(&[0.0, 0.5, 1.0]);
+        for scheme in [Scheme::PredictorCorrector, Scheme::Park] {
+            with_limit(&model, scheme, theta, &p, |limit, matrix, engine| {
+                beyond += usize::from(limit > 1.0 + 1e-6);
+                for i in 1..40 {
+                    let c = limit * (1.0 + 0.02 * f64::from(i));
+                    if engine.growth(&p, c).is_some_and(|growth| growth > 1e-5) {
+                        looked += 1;
+                        let (count, largest) = outside(&matrix(c));
+                        assert!(
+                            count > 0,
+                            "point {point}, {scheme:?}: |z| <= {largest} at {c}, limit {limit}"
+                        );
+                    }
+                }
+            });
+        }
+    }
+    println!("{looked} steps above a limit looked at, {beyond} limits above the contact-free step");
+    assert!(looked > 1000 && beyond > 0);
+}
+
+#[test]
+fn what_the_limits_are_not_derived_for_is_refused() {
+    let refusal = |scene: Scene, form: PenaltyMass, scheme: Scheme, theta: f64| {
+        let model = Model::new(scene, MassMatrix::LUMPED, form);
+        let pencil = model.pencil();
+        SchemeLimit::new(&model, &pencil, scheme, theta).unwrap_err().to_string()
+    };
+    let pair = || Scene::new("pair", End::Free, vec![bar(2), bar(3)], End::Free, None).unwrap();
+    let consistent = PenaltyMass::Consistent;
+    let text = refusal(pair(), PenaltyMass::Diagonalised, Scheme::Park, 0.5);
+    assert!(text.contains("diagonalised"), "{text}");
+    let text = refusal(pair(), consistent, Scheme::Park, 1.5);
+    assert!(text.contains("--theta: 1.5"), "{text}");
+    let single = Scene::new("single", End::Fixed, vec![bar(1)], End::Wall, None).unwrap();
+    let text = refusal(single, consistent, Scheme::PredictorCorrector, 0.5);
+    assert!(text.contains("single nodes"), "{text}");
+    let unlike = Scene::new("unlike", End::Free, vec![bar(2), bar(3)], End::Wall, None).unwrap();
+    let text = refusal(unlike, consistent, Scheme::PredictorCorrector, 0.5);
+    assert!(text.contains("unlike contacts"), "{text}");
+    let text = refusal(pair(), consistent, Scheme::CentralDifference, 0.5);
+    assert!(text.contains("central-difference"), "{text}");
+}
+
+#[test]
+fn the_plastic_ratio_takes_the_penetration_out_in_one_step() {
+    for gamma in [0.0, 0.5, 1.0] {
+        let model = on_a_wall(9, gamma);
+        let pencil = model.pencil();
+        let limit = SchemeLimit::new(&model, &pencil, Scheme::PredictorCorrector, 0.5).unwrap();
+        for (beta_s, c) in [(1e3, 0.5), (1e8, 0.5), (1e5, 0.9), (10.0, 1.0)] {
+            let ratio = limit.plastic_ratio(&model, StiffnessPenalty::new(beta_s).unwrap(), c).unwrap();
+            let p = penalties(&model, beta_s, ratio.get());
+            let found = relative_limit(&limit, &p);
+            assert!((found / c - 1.0).abs() < 1e-13, "{found} is not {c}");
+            let dt2 = 4.0 * c * c / limit.contact_free().value;
+            let mu = pencil.compliance()[0];
+            let plasticity = dt2 * p[0].stiffness * mu / (1.0 + p[0].mass * mu);
+            assert!((plasticity - 1.0).abs() < 1e-13, "{plasticity}");
+        }
+        let small = limit.plastic_ratio(&model, StiffnessPenalty::new(0.01).unwrap(), 0.5);
+        assert!(small.unwrap_err().to_string().contains("beta_s above"));
+    }
+}
