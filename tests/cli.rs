@@ -238,6 +238,31 @@ fn what_cannot_be_certified_is_an_error_row() {
     }
 }
 
+/// The limits of the schemes: C^2 = 1/(2 beta_s) + 1/(4 r) for the predictor-corrector on a lumped bar, the same rule
+/// solved for r by `--ratio plastic`, and the 0.7072 of the Park scheme at theta = 1/2; theta = 0 allows more.
+#[test]
+fn the_limit_of_a_scheme_is_not_the_limit_of_the_spectrum() {
+    let scratch = Scratch::new("schemes");
+    let courant = |arguments: &str| {
+        let command = format!("signorini --elements 10 --mass lumped --stdout csv -q {arguments}");
+        let rows = run(&scratch, &command).succeeded();
+        let row = rows.lines().nth(1).unwrap().to_owned();
+        assert!(row.split(',').nth(7).unwrap().is_empty(), "omega_max belongs to the spectrum: {row}");
+        number(row.split(',').nth(8).unwrap())
+    };
+    let near = |found: f64, expected: f64, allowed: f64| {
+        assert!((found / expected - 1.0).abs() < allowed, "{found}")
+    };
+    // Ten roundings between the options and the printed value.
+    near(courant("--limit predictor-corrector --beta-s 1 --ratio 1"), 0.75f64.sqrt(), 10.0 * f64::EPSILON);
+    near(courant("--limit central-difference --beta-s 1 --ratio 1"), 1.0, 10.0 * f64::EPSILON);
+    let plastic = "--limit predictor-corrector --beta-s 1e4 --ratio plastic --relative-courant 0.5";
+    near(courant(plastic), 0.5, 10.0 * f64::EPSILON);
+    // Given to four digits.
+    near(courant("--limit park --beta-s 1e4 --ratio 1"), 0.7072, 0.5e-4 / 0.7072);
+    assert!(courant("--limit park --theta 0 --beta-s 1e4 --ratio 1") > 0.75);
+}
+
 /// Every option in --help is used by a command of this file or of the file of refusals.
 #[test]
 fn every_option_is_exercised() {
