@@ -14,8 +14,8 @@ const MAY_NAME: [(&str, &[&str]); 15] = [
     ("pencil", &[]),
     ("penalty", &["error", "scene", "fem", "pencil"]),
     ("spectrum", &["error", "pencil"]),
-    ("stability", &["error", "scene", "fem", "pencil", "penalty", "spectrum"]),
-    ("schemes", &["error", "scene", "fem", "pencil", "penalty"]),
+    ("stability", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit
+    ("schemes", &["error", "pencil"]),
     ("impact", &["error", "scene", "fem", "pencil", "penalty", "schemes", "stability"]),
     ("verify", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "stability", "schemes", "impact"]),
     (

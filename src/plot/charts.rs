@@ -2,7 +2,6 @@
 
 use super::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Width, literal};
 use crate::record::{OptimalRatioRow, StabilityRow};
-use crate::schemes::Scheme;
 
 /// Label of the critical Courant number.
 const COURANT: &str = "critical Courant number *C*_{r}";
@@ -155,8 +154,11 @@ pub fn titled_by_limit(mut figure: Figure, panels: &[Vec<StabilityRow>]) -> Figu
 
 /// Whose limit, as a title names it.
 fn limit_name(limit: &str) -> String {
-    let scheme = Scheme::ALL.into_iter().find(|scheme| scheme.name() == limit);
-    scheme.map_or_else(|| limit.to_owned(), |scheme| scheme.facts().title.to_owned())
+    match limit {
+        "central-difference" => "central difference".to_owned(),
+        "park" => "Park".to_owned(),
+        other => other.to_owned(),
+    }
 }
 
 /// The optimal ratio of a scheme over beta_s, one curve a mass matrix, and the width of its enclosure. Where no ratio
