@@ -12,10 +12,11 @@ use bipenalty::cli::{
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::impact::{Recording, Run};
+use bipenalty::penalty::Ratio;
 use bipenalty::plot::impact_charts::{self, Quantity};
 use bipenalty::record::{HistoryRow, ImpactRow};
 use bipenalty::schemes::Scheme;
-use bipenalty::stability::Axis;
+use bipenalty::stability::{Axis, Grid, Model};
 use clap::Parser;
 
 /// Contact-impact of bars in time: three schemes, exact solutions, errors.
@@ -25,10 +26,10 @@ struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     /// Stiffness penalties: a list 1,1e4 or lin:1:10:10 or log:1:1e12:4 (start:stop:count)
-    #[arg(long, value_name = "SPEC", default_value = "1,1e4,1e8,1e12")]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "1,1e4,1e8,1e12")]
     beta_s: Axis,
     /// Penalty ratios r, in the same forms; inf is the pure penalty method
-    #[arg(long, value_name = "SPEC", default_value = "1")]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "1")]
     ratio: Axis,
     /// Schemes: central-difference, predictor-corrector, park
     #[arg(
@@ -39,16 +40,16 @@ struct Options {
     )]
     scheme: Vec<Scheme>,
     /// dt/dt_cr of the contact-free scene
-    #[arg(long, value_name = "C", default_value_t = 0.5)]
+    #[arg(long, value_name = "C", allow_negative_numbers = true, default_value_t = 0.5)]
     relative_courant: f64,
     /// Averaging of the Park scheme, in [0, 1]
-    #[arg(long, value_name = "T", default_value_t = 0.5)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 0.5)]
     theta: f64,
     /// Simulated time in s [default: the scene's]
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Time in s at which the stress along the bars is taken [default: a sixth of the simulated time]
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
     stress_at: Option<f64>,
     #[command(flatten)]
     output: OutputOptions,
@@ -68,10 +69,10 @@ fn run(options: &Options) -> Result<Verdict> {
     let planned: Vec<PlannedRun> = figures.concat();
     let output = Output::prepare(&options.output, "contact-impact")?;
     if options.output.explain {
-        planned.iter().for_each(|planned| println!("{}: {} steps", planned.stem(), planned.run.steps()));
-        println!(
-            "left out: eigenvectors; the exact solution where a scene has none; mass solves where the mass is lumped"
-        );
+        let steps = |planned: &PlannedRun| format!("{}: {} steps\n", planned.stem(), planned.run.steps());
+        let left_out =
+            "left out: eigenvectors; mass solves where the mass is lumped; exact solutions a scene has not\n";
+        Output::print_text(&(planned.iter().map(steps).collect::<String>() + left_out))?;
         return Ok(Verdict::Holds);
     }
     let (mut rows, mut files, mut complete) = (Vec::new(), 0, true);
@@ -92,7 +93,7 @@ fn run(options: &Options) -> Result<Verdict> {
     files += output.write_rows("summary", &rows)?.len();
     if !options.output.quiet {
         print_impacts(&rows);
-        eprintln!("{files} files in {}", output.directory().display());
+        output.report(files);
     }
     Ok(if complete { Verdict::Holds } else { Verdict::Fails })
 }
@@ -107,6 +108,7 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
     let mut figures = Vec::new();
     for model in asked.scenes()?.iter().flat_map(|scene| asked.models(scene)) {
         model.check_grid(&grid)?;
+        check_form(&model, &grid)?;
         for ratio in &grid.ratios {
             let mut runs = Vec::new();
             for beta_s in &grid.stiffness_penalties {
@@ -128,6 +130,18 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
         return Err(Refusal::new("--stress-at", time, "a time of at least 0 (s)").into());
     }
     Ok(figures)
+}
+
+/// Refuses the diagonalised mass penalty of a pair: the schemes know rank-one contact terms.
+fn check_form(model: &Model, grid: &Grid) -> Result<(), Refusal> {
+    let largest = grid.stiffness_penalties.iter().copied().reduce(|a, b| if b > a { b } else { a });
+    let nodal = |ratio: &Ratio| {
+        largest.is_some_and(|beta_s| model.penalties(beta_s, *ratio).iter().any(|p| p.nodal_mass > 0.0))
+    };
+    if grid.ratios.iter().any(nodal) {
+        return Err(Refusal::new("--penalty-mass", "diagonalised between two bars", "consistent"));
+    }
+    Ok(())
 }
 
 /// Every step with its energies, and the stress at one time.

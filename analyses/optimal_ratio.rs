@@ -29,7 +29,7 @@ struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     /// Stiffness penalties: a list 1,1e4 or lin:1:10:10 or log:1e-3:1e12:61 (start:stop:count)
-    #[arg(long, value_name = "SPEC", default_value = "log:1e-3:1e12:61")]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "log:1e-3:1e12:61")]
     beta_s: Axis,
     #[command(flatten)]
     limit: LimitOptions,
@@ -61,12 +61,13 @@ fn run(options: &Options) -> Result<Verdict> {
     let grid = checked_grid(&options.beta_s, &Axis::list([1.0, 1e12]))?;
     models.iter().flatten().try_for_each(|model| model.check_grid(&grid))?;
     if options.output.explain {
-        models.iter().flatten().for_each(|model| print!("{}", explain(model, options, &grid)));
+        let plan: String = models.iter().flatten().map(|model| explain(model, options, &grid)).collect();
+        Output::print_text(&plan)?;
         return Ok(Verdict::Holds);
     }
     let points = models.iter().flatten().count() * grid.stiffness_penalties.len();
     let progress = Progress::new(points, "ratios", options.output.quiet);
-    let (mut all, mut holds) = (Vec::new(), true);
+    let (mut all, mut holds, mut files) = (Vec::new(), true, 0);
     for models in &models {
         let mut found = Vec::new();
         for model in models {
@@ -74,16 +75,14 @@ fn run(options: &Options) -> Result<Verdict> {
         }
         let name = models[0].scene().name();
         let rows: Vec<Vec<OptimalRatioRow>> = found.iter().map(|found| found.rows.clone()).collect();
-        output.write_rows(name, &rows.concat())?;
+        files += output.write_rows(name, &rows.concat())?.len();
         if output.wants_figures() && options.beta_s.values.len() > 1 {
             let expected: Option<Vec<f64>> = found.iter().map(|found| found.expected).collect();
-            output.write_figure(
-                name,
-                &match expected {
-                    Some(expected) => charts::optimal_ratio(&rows, &expected, options.beta_s.log),
-                    None => charts::optimal_scheme_ratio(&rows, options.beta_s.log),
-                },
-            )?;
+            let figure = match expected {
+                Some(expected) => charts::optimal_ratio(&rows, &expected, options.beta_s.log),
+                None => charts::optimal_scheme_ratio(&rows, options.beta_s.log),
+            };
+            files += output.write_figure(name, &figure)?.len();
         }
         holds &= rows.iter().flatten().all(|row| row.holds);
         all.extend(found);
@@ -92,6 +91,7 @@ fn run(options: &Options) -> Result<Verdict> {
     output.print(all.iter().flat_map(|found| &found.rows))?;
     if !options.output.quiet {
         summarise(&all);
+        output.report(files);
     }
     Ok(if holds { Verdict::Holds } else { Verdict::Fails })
 }

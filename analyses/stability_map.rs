@@ -86,10 +86,7 @@ fn run(options: &Options) -> Result<Verdict> {
     if !options.output.quiet {
         answers.iter().for_each(|answer| eprintln!("{answer}"));
         print_summaries(&summaries);
-        if files > 0 {
-            let plural = if files == 1 { "" } else { "s" };
-            eprintln!("{files} file{plural} in {}", output.directory().display());
-        }
+        output.report(files);
     }
     let holds = summaries.iter().all(|summary| summary.holds);
     Ok(if holds { Verdict::Holds } else { Verdict::Fails })
@@ -113,19 +110,25 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         };
         paper(&remeshed, &options.scene.mass.0, options.scene.penalty_mass.into())?
     } else {
-        let beta_s = options.beta_s.clone().map_or_else(|| Axis::linear(0.0, 10.0, 401), Ok)?;
+        let asked = options.beta_s.clone();
+        let linear = Axis::linear(0.0, 10.0, 401)?;
         let spec = options.ratio.clone();
         let mut jobs = Vec::new();
         for model in scenes.iter().flat_map(|scene| options.scene.models(scene)) {
             let stem = format!("{}-{}", model.scene().name(), model.mass().name());
+            // Without a contact there is one limit, whatever the penalties.
+            let touches = !model.scales().is_empty();
+            let usual = if touches { linear.clone() } else { Axis::list([0.0]) };
+            let beta_s = asked.clone().unwrap_or(usual);
             jobs.push(match &spec {
                 Some(RatioSpec::Plastic) => {
-                    Job::plastic(stem, model, beta_s.clone(), options.relative_courant.unwrap_or(0.5))?
+                    Job::plastic(stem, model, beta_s, options.relative_courant.unwrap_or(0.5))?
                 }
-                Some(RatioSpec::Axis(ratio)) => Job::new(stem, vec![model], beta_s.clone(), ratio.clone())?,
+                Some(RatioSpec::Axis(ratio)) => Job::new(stem, vec![model], beta_s, ratio.clone())?,
                 None => {
-                    let ratio = Axis::list([0.5, 1.0, 2.0, 3.0, f64::INFINITY]);
-                    Job::new(stem, vec![model], beta_s.clone(), ratio)?
+                    let ratios = [0.5, 1.0, 2.0, 3.0, f64::INFINITY];
+                    let ratio = if touches { Axis::list(ratios) } else { Axis::list([1.0]) };
+                    Job::new(stem, vec![model], beta_s, ratio)?
                 }
             });
         }

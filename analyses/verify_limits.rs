@@ -25,16 +25,16 @@ struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     /// Stiffness penalties: a list 0,0.5,10 or lin:0:10:11 or log:1e-3:1e12:20 (start:stop:count)
-    #[arg(long, value_name = "SPEC", default_value = "lin:0:10:11")]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "lin:0:10:11")]
     beta_s: Axis,
     /// Penalty ratios r, in the same forms; inf is the pure penalty method
-    #[arg(long, value_name = "SPEC", default_value = "0.5,1,2,3,inf")]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "0.5,1,2,3,inf")]
     ratio: Axis,
     /// Schemes: central-difference
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "central-difference")]
     scheme: Vec<Scheme>,
     /// Relative width to which stepping brackets a limit
-    #[arg(long, value_name = "EPS", default_value_t = 1e-6)]
+    #[arg(long, value_name = "EPS", allow_negative_numbers = true, default_value_t = 1e-6)]
     tolerance: f64,
     #[command(flatten)]
     output: OutputOptions,
@@ -62,7 +62,7 @@ fn run(options: &Options) -> Result<Verdict> {
     let jobs = plan(options, &grid)?;
     let output = Output::prepare(&options.output, "verify-limits")?;
     if options.output.explain {
-        jobs.iter().for_each(|job| print!("{}", explain(job, &grid)));
+        Output::print_text(&jobs.iter().map(|job| explain(job, &grid)).collect::<String>())?;
         return Ok(Verdict::Holds);
     }
     let points = jobs.iter().map(|job| job.models.len() * grid.len()).sum();
@@ -87,7 +87,7 @@ fn run(options: &Options) -> Result<Verdict> {
     output.print(all.iter().flatten())?;
     if !options.output.quiet {
         summarise(&all);
-        eprintln!("{files} files in {}", output.directory().display());
+        output.report(files);
     }
     let agree = all.iter().flatten().all(|row| row.agrees);
     Ok(if agree { Verdict::Holds } else { Verdict::Fails })

@@ -151,7 +151,7 @@ pub struct LimitOptions {
     #[arg(long, value_name = "NAME", default_value = "spectrum")]
     pub limit: Limit,
     /// Averaging of the Park scheme, in [0, 1] [default: 0.5]
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub theta: Option<f64>,
     /// auto, closed-form, secular, sturm, dense, or lapack where it is built in
     #[arg(long, value_name = "NAME", default_value = "auto")]

@@ -41,9 +41,13 @@ impl Output {
         })
     }
 
-    /// Where files go.
-    pub fn directory(&self) -> &Path {
-        &self.directory
+    /// Tells on standard error how many files a run has written, if any.
+    pub fn report(&self, files: usize) {
+        match files {
+            0 => (),
+            1 => eprintln!("1 file in {}", self.directory.display()),
+            _ => eprintln!("{files} files in {}", self.directory.display()),
+        }
     }
 
     /// Whether figures are wanted at all.

@@ -115,6 +115,9 @@ fn smallest(curve: &Curve) -> Option<(CriticalStep, f64)> {
 
 /// Whether r = 1 kept the contact-free limit, and how far off; false only if it fell below the element limit.
 fn verdict(solved: &Solved, free: CriticalStep, optimal: CriticalStep) -> (String, bool) {
+    if solved.model.scales().is_empty() {
+        return ("no contact".to_owned(), true);
+    }
     if solved.limit.scheme().is_some() {
         // A scheme need not keep it; what it keeps is the answer.
         let kept = optimal.critical_courant / free.critical_courant;

@@ -9,33 +9,75 @@ const STIFFNESS: &str = "stiffness penalty *β*_{s}";
 const RATIO: &str = "penalty ratio *r*";
 
 /// C_r over beta_s, one panel a model and one curve a ratio, all on one scale of C_r. Points that could not be
-/// certified leave a gap; a curve r < 1 that cannot be told from r = 1 is left out.
+/// certified leave a gap. A curve r < 1 that cannot be told from r = 1 is not drawn, but named with it.
 pub fn curves(models: &[Vec<StabilityRow>], log: bool) -> Figure {
-    let drawn = |rows: &Vec<StabilityRow>| {
-        let mut curves = curves_of(rows);
-        let optimal = curves.iter().find(|(ratio, _)| *ratio == 1.0).map(|(_, points)| points.clone());
-        curves.retain(|(ratio, points)| *ratio >= 1.0 || differs(points, optimal.as_deref()));
-        curves.iter_mut().for_each(|(_, points)| points.retain(|(beta_s, _)| !log || *beta_s > 0.0));
-        curves
-    };
-    let drawn: Vec<_> = models.iter().map(drawn).collect();
-    let values = drawn.iter().flatten().flat_map(|(_, points)| points.iter().map(|point| point.1));
+    let styles = Styles::of(models);
+    let drawn: Vec<_> = models.iter().map(|rows| drawn(rows, log)).collect();
+    let values = drawn.iter().flatten().flat_map(|curve| curve.points.iter().map(|point| point.1));
     let range = shared_range(values.filter(|c| c.is_finite()));
     let panels = models.iter().zip(drawn).map(|(rows, curves)| {
         let x = if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
-        let layer = |(ratio, points): (f64, Vec<(f64, f64)>)| {
-            Layer::curve(points, format!("*r* = {}", number(ratio)), style(ratio))
-        };
+        let layer = |curve: Drawn| Layer::curve(curve.points, curve.label, styles.style(curve.ratio));
         let y = Axis { range, ..Axis::linear(COURANT) };
         Panel::new(x, y, curves.into_iter().map(layer).collect()).titled(title(rows))
     });
     figure(panels.collect())
 }
 
-/// The ratios of the paper keep their style in every chart; the others follow in turn.
-pub(super) fn style(ratio: f64) -> usize {
-    const KNOWN: [f64; 7] = [1.0, 2.0, 3.0, 0.5, f64::INFINITY, 0.25, 10.0];
-    KNOWN.iter().position(|known| *known == ratio).unwrap_or(ratio.to_bits() as usize % KNOWN.len())
+/// A curve as it is drawn.
+struct Drawn {
+    ratio: f64,
+    label: String,
+    points: Vec<(f64, f64)>,
+}
+
+/// The curves of one model that can be told apart, named.
+fn drawn(rows: &[StabilityRow], log: bool) -> Vec<Drawn> {
+    let curves = curves_of(rows);
+    let optimal = curves.iter().find(|(ratio, _)| *ratio == 1.0).map(|(_, points)| points.clone());
+    let hidden =
+        |(ratio, points): &(f64, Vec<(f64, f64)>)| *ratio < 1.0 && !differs(points, optimal.as_deref());
+    let some_hidden = curves.iter().any(hidden);
+    let shown = curves.into_iter().filter(|curve| !hidden(curve));
+    shown
+        .map(|(ratio, mut points)| {
+            points.retain(|(beta_s, _)| !log || *beta_s > 0.0);
+            let relation = if some_hidden && ratio == 1.0 { "≤" } else { "=" };
+            Drawn { ratio, label: format!("*r* {relation} {}", number(ratio)), points }
+        })
+        .collect()
+}
+
+/// The style of every ratio of a figure: the ratios of the paper keep theirs in every chart, the others take what is
+/// left in turn.
+pub(super) struct Styles(Vec<(f64, usize)>);
+
+impl Styles {
+    /// The styles for all ratios of `models`.
+    pub(super) fn of(models: &[Vec<StabilityRow>]) -> Self {
+        const PAPER: [(f64, usize); 6] =
+            [(1.0, 0), (2.0, 1), (3.0, 2), (0.5, 3), (f64::INFINITY, 4), (0.25, 5)];
+        const STYLES: usize = 8;
+        let mut styles: Vec<(f64, usize)> = Vec::new();
+        let mut others = Vec::new();
+        for (ratio, _) in models.iter().flat_map(|rows| curves_of(rows)) {
+            match PAPER.iter().find(|(known, _)| *known == ratio) {
+                Some(known) => styles.push(*known),
+                None if !others.contains(&ratio) => others.push(ratio),
+                None => (),
+            }
+        }
+        let taken: Vec<usize> = styles.iter().map(|(_, style)| *style).collect();
+        let free: Vec<usize> = (0..STYLES).filter(|style| !taken.contains(style)).collect();
+        let cycle = free.iter().chain(&taken).copied().cycle();
+        styles.extend(others.into_iter().zip(cycle));
+        Self(styles)
+    }
+
+    /// The style of a ratio.
+    pub(super) fn style(&self, ratio: f64) -> usize {
+        self.0.iter().find(|(known, _)| *known == ratio).map_or(0, |(_, style)| *style)
+    }
 }
 
 /// Whether two curves are more than the width of a line apart somewhere.

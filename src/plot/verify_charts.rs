@@ -2,11 +2,12 @@
 
 use super::Figure;
 use super::Layer;
-use super::charts::{curves, curves_of, style};
+use super::charts::{Styles, curves, curves_of};
 use crate::record::{StabilityRow, VerifyRow};
 
 /// C_r over beta_s: `predicted` curves and `measured` points, one panel a model.
 pub fn limits(predicted: &[Vec<StabilityRow>], measured: &[Vec<VerifyRow>], log: bool) -> Figure {
+    let styles = Styles::of(predicted);
     let mut figure = curves(predicted, log);
     for ((panel, rows), predicted) in figure.panels.iter_mut().zip(measured).zip(predicted) {
         for (ratio, _) in curves_of(predicted) {
@@ -15,7 +16,12 @@ pub fn limits(predicted: &[Vec<StabilityRow>], measured: &[Vec<VerifyRow>], log:
                 |row: &VerifyRow| (row.stiffness_penalty.0, 0.5 * (row.stable_at.0 + row.unstable_at.0));
             let points: Vec<_> = of_ratio.map(point).filter(|(beta_s, _)| !log || *beta_s > 0.0).collect();
             if !points.is_empty() {
-                panel.layers.push(Layer::Markers { points, label: None, style: style(ratio), joined: false });
+                panel.layers.push(Layer::Markers {
+                    points,
+                    label: None,
+                    style: styles.style(ratio),
+                    joined: false,
+                });
             }
         }
     }

@@ -90,9 +90,14 @@ pub(super) fn parse(text: &str, path: &str) -> Result<Scene> {
 /// The parser's words with the line they are about; a missing key has none.
 fn in_file(error: &toml::de::Error, text: &str, path: &str) -> Error {
     let line = line_of(text, error.span().map_or(0, |span| span.start));
-    let words = error.message();
+    // The parser speaks of its types; the user knows numbers.
+    let words = error
+        .message()
+        .replace("f64", "a number")
+        .replace("i64", "an integer")
+        .replace("floating point", "number");
     let quoted = text.lines().nth(line - 1).map(str::trim).filter(|_| !words.starts_with("missing"));
-    let message = quoted.map_or_else(|| words.to_owned(), |quoted| format!("`{quoted}`: {words}"));
+    let message = quoted.map_or_else(|| words.clone(), |quoted| format!("`{quoted}`: {words}"));
     Error::SceneFile { path: path.to_owned(), line, message }
 }
 

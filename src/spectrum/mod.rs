@@ -89,10 +89,10 @@ pub trait Engine: Sync {
 /// Every pivot is the exact pivot of a pencil whose entries differ by at most 8 unit roundoffs: forming an entry of
 /// K - l M takes 2 roundings, the step b (b/d) and its subtraction 3, a contact d (c/(d+c)) 4, and errors of a pivot
 /// pass as relative errors to the entries of its row. With |K| <= B (M + M_p) (B the stiffness bound),
-/// s z z' <= C (M + M_p) (C the contact bound) and |M| <= M + M_p in the same sense, that moves the eigenvalue by at
-/// most 8u (l + B + C).
+/// s z z' <= C (M + M_p) (C the contact bound) and |M| <= 3 M (element by element: |x|'M_e|x| <= 3/(1+2g) x'M_e x, worst
+/// for alternating x), that moves the eigenvalue by at most 8u (3 l + B + C).
 pub fn sturm_backward_error(pencil: &Pencil, penalties: &[Penalty], l: f64) -> f64 {
-    8.0 * UNIT_ROUNDOFF * (1.0 + (pencil.stiffness_bound(penalties) + pencil.contact_bound(penalties)) / l)
+    8.0 * UNIT_ROUNDOFF * (3.0 + (pencil.stiffness_bound(penalties) + pencil.contact_bound(penalties)) / l)
 }
 
 /// Refuses an enclosure that is too wide or does not hold its own value.
