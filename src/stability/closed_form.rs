@@ -16,7 +16,8 @@ use crate::spectrum::{
 #[derive(Debug)]
 enum Kind {
     /// One contact of one bar with a free far end, or of two such bars that are equal: nearly explicit.
-    Alone { bar: UniformBar, pair: bool },
+    /// `share` is 1/(EA/h) of the bar, twice that where the gap is shared.
+    Alone { bar: UniformBar, pair: bool, share: f64 },
     /// One contact: a scalar equation T(l) = c(l).
     OneContact { left: Option<(UniformBar, bool)>, right: Option<(UniformBar, bool)> },
     /// None or several: the row is eliminated and l bisected.
@@ -90,7 +91,7 @@ impl ClosedForm {
     /// The sign function of the spectrum: negative where an eigenvalue lies at or above l.
     fn excess(&self, penalties: &[Penalty], l: f64) -> f64 {
         match &self.kind {
-            Kind::Alone { bar, pair } => alone(bar, *pair, &penalties[0], l),
+            Kind::Alone { bar, pair, .. } => alone(bar, *pair, &penalties[0], l),
             Kind::OneContact { left, right } => one_contact(left, right, &penalties[0], l),
             Kind::Row => -self.chain.last_pivot(penalties, l),
         }
@@ -155,8 +156,12 @@ fn compliance_bounds(chain: &Chain<UniformBar>, mass: MassMatrix) -> Vec<f64> {
 fn kind(chain: &Chain<UniformBar>, contacts: usize) -> Kind {
     let bars = &chain.segments;
     match (contacts, bars.len()) {
-        (1, 1) if !bars[0].left_fixed && !bars[0].right_fixed => Kind::Alone { bar: bars[0], pair: false },
-        (1, 2) if bars[0] == bars[1] && !bars[0].left_fixed => Kind::Alone { bar: bars[0], pair: true },
+        (1, 1) if !bars[0].left_fixed && !bars[0].right_fixed => {
+            Kind::Alone { bar: bars[0], pair: false, share: 1.0 / bars[0].stiffness }
+        }
+        (1, 2) if bars[0] == bars[1] && !bars[0].left_fixed => {
+            Kind::Alone { bar: bars[0], pair: true, share: 2.0 / bars[0].stiffness }
+        }
         (1, 1) => Kind::OneContact { left: Some((bars[0], true)), right: None },
         (1, 2) => Kind::OneContact {
             left: Some((bars[0], bars[0].left_fixed)),
@@ -205,9 +210,8 @@ impl Engine for ClosedForm {
 
     #[inline]
     fn estimate(&self, penalties: &[Penalty], start: Option<f64>) -> f64 {
-        if let Kind::Alone { bar, pair } = &self.kind {
+        if let Kind::Alone { bar, pair, share } = &self.kind {
             let p = &penalties[0];
-            let share = if *pair { 2.0 } else { 1.0 } / bar.stiffness;
             let b = share * p.stiffness;
             let b_mass = share * (p.mass + 0.5 * p.nodal_mass) * bar.eigenvalue;
             if let Some(y) = bar.relative_rise(b, b_mass) {

@@ -17,6 +17,9 @@ use crate::spectrum::Segment;
 /// Above this n theta, coth(n theta) = 1 in f64: 2 exp(-2z) < 2^-54.
 const SATURATION: f64 = 19.1;
 
+/// A change of x that rounding hides.
+const NOTHING: f64 = f64::EPSILON / 8.0;
+
 /// A uniform bar reduced to its ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UniformBar {
@@ -34,6 +37,14 @@ pub struct UniformBar {
     diagonal: f64,
     /// y/D from which on coth(n theta) = 1 in f64.
     saturation: f64,
+    /// y from which on coth(n theta) = 1 in f64.
+    saturated_rise: f64,
+    /// n theta/sqrt(y) near y = 0.
+    reach: f64,
+    /// sqrt(L) = sqrt(w/y) near y = 0.
+    speed: f64,
+    /// -y at n phi = pi/2, where the bar with one end held resonates.
+    held_fall: f64,
     /// rho h A, kg.
     pub(super) element_mass: f64,
     pub(super) left_fixed: bool,
@@ -44,14 +55,26 @@ impl UniformBar {
     /// The bar with the ends that its scene fixes.
     pub fn new(bar: &Bar, mass: MassMatrix, left_fixed: bool, right_fixed: bool) -> Self {
         let factor = mass.element_factor();
+        let elements = bar.elements as f64;
+        let slope = factor * mass.entries().1;
+        let saturation = (SATURATION / (2.0 * elements)).sinh().powi(2);
+        // y/(1 + slope (1 + y)) stays below 1/slope: a short bar never gets there.
+        let saturated_rise = match saturation * slope < 1.0 {
+            true => saturation * (1.0 + slope) / (1.0 - saturation * slope),
+            false => f64::INFINITY,
+        };
         Self {
             stiffness: bar.element_stiffness(),
             eigenvalue: mass.element_eigenvalue(bar),
-            elements: bar.elements as f64,
+            elements,
             factor,
-            slope: factor * mass.entries().1,
+            slope,
             diagonal: factor * mass.entries().0,
-            saturation: (SATURATION / (2.0 * bar.elements as f64)).sinh().powi(2),
+            saturation,
+            saturated_rise,
+            reach: 2.0 * elements / (1.0 + slope).sqrt(),
+            speed: factor.sqrt(),
+            held_fall: fall_at(std::f64::consts::FRAC_PI_2 / elements, slope),
             element_mass: bar.element_mass(),
             left_fixed,
             right_fixed,
@@ -101,10 +124,7 @@ impl UniformBar {
     /// its last pivot vanishes, pi/2 (one) or pi (both).
     pub fn top_eigenvalue(&self) -> f64 {
         let held = f64::from(u8::from(self.left_fixed)) + f64::from(u8::from(self.right_fixed));
-        // sin^2(phi/2) = v/(1 + slope (1 - v)) solved for v = -y.
-        let sin2 = (0.25 * std::f64::consts::PI * held / self.elements).sin().powi(2);
-        let v = sin2 * (1.0 + self.slope) / (1.0 + self.slope * sin2);
-        self.eigenvalue * (1.0 - v)
+        self.eigenvalue * (1.0 - fall_at(0.5 * std::f64::consts::PI * held / self.elements, self.slope))
     }
 
     /// A bound of e' M^-1 e at an end node: M exceeds the mass of the end element alone.
@@ -112,6 +132,12 @@ impl UniformBar {
         let (diagonal, off) = mass.entries();
         diagonal / ((diagonal - off) * (diagonal + off)) / self.element_mass
     }
+}
+
+/// v = -y at phi: sin^2(phi/2) = v/(1 + slope (1 - v)) solved for v.
+fn fall_at(phi: f64, slope: f64) -> f64 {
+    let sin2 = (0.5 * phi).sin().powi(2);
+    sin2 * (1.0 + slope) / (1.0 + slope * sin2)
 }
 
 /// The ends of a bar at one l, everything between eliminated.
@@ -166,8 +192,8 @@ impl UniformBar {
     /// y = l_max/omega_e^2 - 1 of the bar with a free far end and one contact c/(EA/h) = b - b_mass x, or `None` if
     /// the iteration has not settled (the general solver then takes over).
     ///
-    /// For a long bar coth = 1 and L x y = (p - b_mass y)^2, p = b - b_mass, is a quadratic, solved without
-    /// cancellation; tanh is then restored by Newton's method, monotone because T is concave in l.
+    /// With p = b - b_mass the equation is T = p - b_mass y. Where tanh(n theta) = 1 in f64 it is the quadratic
+    /// L x y = (p - b_mass y)^2, whose root is formed without cancellation.
     #[inline]
     pub(super) fn relative_rise(&self, b: f64, b_mass: f64) -> Option<f64> {
         let p = b - b_mass;
@@ -175,58 +201,107 @@ impl UniformBar {
             return if p == 0.0 { Some(0.0) } else { self.in_band(-p, b_mass) };
         }
         let l = self.factor / p;
-        let mut y = 2.0 * p / (2.0 * b_mass + l + (l * l + 4.0 * self.factor * (b / p)).sqrt());
+        let y = 2.0 * p / (2.0 * b_mass + l + (l * (l + 4.0 * b)).sqrt());
+        if y >= self.saturated_rise { Some(y) } else { self.above_band(p, b_mass, y) }
+    }
+
+    /// The same for the few elements or small p that need T = sqrt(w) tanh(n theta), from the root for tanh = 1.
+    ///
+    /// Newton's method in y, in which T is concave. The guess takes x = 1, n theta = z = reach sqrt(y), and inverts
+    /// t = z tanh z by z^2 = t^2 + t g(t), where g falls from 1 to 0; the rational g is within 0.04, so that z^2 is
+    /// within 2 %.
+    fn above_band(&self, p: f64, b_mass: f64, saturated: f64) -> Option<f64> {
+        let root = saturated.sqrt();
+        let t = self.reach * root;
+        let inertia = b_mass / (self.reach * self.speed);
+        let mut y =
+            saturated + root / (self.reach * (1.0 + t * (0.667 + t * (0.302 + 0.308 * t))) * (1.0 + inertia));
         for _ in 0..40 {
-            let x = 1.0 + y;
-            let d = 1.0 + self.slope * x;
-            if y >= self.saturation * d {
+            if y <= NOTHING {
                 return Some(y);
             }
-            let sinh = (y / d).sqrt();
-            let z = 2.0 * self.elements * sinh.asinh();
-            let t = (self.factor * x * y).sqrt() * z.tanh();
-            let theta_slope = (1.0 + self.slope) / (d * d * sinh * (1.0 + sinh * sinh).sqrt());
-            let t_slope =
-                t * (0.5 * (1.0 + 2.0 * y) / (x * y) + 2.0 * self.elements * theta_slope / (2.0 * z).sinh());
+            let x = 1.0 + y;
+            let d = 1.0 + self.slope * x;
+            // sinh(theta) = 2 half/d and e^theta - 1 = 2 (y + half)/d.
+            let half = (y * (d + y)).sqrt();
+            let theta = (2.0 * (y + half) / d).ln_1p();
+            // tanh z and 1/cosh^2 z from one e^(-2z) - 1.
+            let decay = (-2.0 * self.elements * theta).exp_m1();
+            let part = 1.0 / (2.0 + decay);
+            let w = (self.factor * x * y).sqrt();
+            let t = -w * decay * part;
+            let t_slope = t * (0.5 + y) / (x * y)
+                + w * (4.0 * (1.0 + decay) * part * part) * self.elements * (1.0 + self.slope) / (d * half);
             let step = (p - b_mass * y - t) / (t_slope + b_mass);
             y += step;
-            // The next step would be about step^2/(2y).
-            if step * step <= 0.125 * f64::EPSILON * y * x || step.abs() <= 0.25 * f64::EPSILON {
+            // T bends no more than sqrt(y): the next step would be at most step^2/(4y).
+            if step * step <= 0.5 * f64::EPSILON * y * x || step.abs() <= NOTHING * x {
                 return Some(y);
             }
         }
         None
     }
 
-    /// The same inside the band, where p = -`depth` < 0: v = -y solves n phi = atan2(depth - b_mass v, sqrt(L x v)),
-    /// by Newton's method in sqrt(v), in which both sides are nearly linear.
+    /// The same inside the band, where p = -`depth` < 0: v = -y solves c = s tan z, c = depth - b_mass v,
+    /// s = sqrt(L x v), n phi = z.
+    ///
+    /// Newton's method in z on c cos z - s sin z, which has no pole. The guess takes s tan z = speed reach
+    /// v (1 - a v)/(1 - v/v_1), with the pole v_1 of tan z and, to a relative v, its residue there, within 0.3 % for
+    /// a long bar: a quadratic in v. All forces are divided by depth, which may be near f64::MAX.
     fn in_band(&self, depth: f64, b_mass: f64) -> Option<f64> {
-        let reach = self.elements / (1.0 + self.slope).sqrt();
-        let quarter = 4.0 * reach / std::f64::consts::PI;
-        // From tan z ~ z/(1 - (2z/pi)^2); divided through by depth, which may be near f64::MAX.
-        let first = 1.0 / ((2.0 * reach * self.factor.sqrt() + b_mass) / depth + quarter * quarter);
-        let mut u = first.min(0.5).sqrt();
+        use std::f64::consts::{FRAC_PI_2, PI};
+        let (force, inertia) = (self.speed / depth, b_mass / depth);
+        let (small, pole) = (force * self.reach, 1.0 / self.held_fall);
+        let g = small + inertia;
+        let gap = ((g - pole) * (g - pole) + 32.0 / (PI * PI) * pole * small).sqrt();
+        let guess = 2.0 / (g + pole + gap);
+        if guess <= NOTHING {
+            return Some(-guess);
+        }
+        // Newton's error is step^2 over the relative distance of the next root, the one beyond the pole.
+        let distance = (gap / pole).min(1.0);
+        if distance < 1e-3 {
+            return None;
+        }
+        // z^2 = 4 n^2 asin^2(sin(phi/2)), by its series.
+        let sin2 = guess / (1.0 + self.slope * (1.0 - guess));
+        let mut z = 2.0 * self.elements * (sin2 * (1.0 + sin2 * (1.0 / 3.0 + 8.0 / 45.0 * sin2))).sqrt();
+        let settled = distance * f64::EPSILON / 16.0 * self.reach * self.reach;
         for _ in 0..40 {
-            let v = u * u;
-            let (x, d) = (1.0 - v, 1.0 + self.slope * (1.0 - v));
-            let sin = (v / d).sqrt();
-            let (s, c) = ((self.factor * x * v).sqrt(), depth - b_mass * v);
-            let phi_slope = (1.0 + self.slope) / (d * d * sin * (1.0 - sin * sin).sqrt());
-            let scale = s.abs().max(c.abs());
-            let (s1, c1) = (s / scale, c / scale);
-            let s_slope = self.factor * (1.0 - 2.0 * v) / (2.0 * s);
-            let angle_slope = (-(b_mass / scale) * s1 - c1 * (s_slope / scale)) / (s1 * s1 + c1 * c1);
-            let miss = 2.0 * self.elements * sin.asin() - c.atan2(s);
-            let step = miss / (2.0 * u * (self.elements * phi_slope - angle_slope));
-            u -= step;
-            if u.is_nan() || u <= 0.0 || u >= 1.0 {
-                return None;
-            }
-            // The next step would be about step^2/(2u), and move u^2 by step^2.
-            if step * step <= 0.0625 * f64::EPSILON || (step * u).abs() <= 0.125 * f64::EPSILON {
-                return Some(-u * u);
+            let (v, v_slope) = self.fall(z);
+            let x = 1.0 - v;
+            let (c, s) = (1.0 - inertia * v, force * (x * v).sqrt());
+            let (sin, cos) = z.sin_cos();
+            let s_slope = s * (0.5 - v) * v_slope / (x * v);
+            let slope = (inertia * v_slope + s) * cos + (c + s_slope) * sin;
+            let step = (c * cos - s * sin) / slope;
+            z += step;
+            // The next step would be about step^2/distance, and move v by 2 z/reach^2 times that.
+            if step * step <= settled {
+                let v = v + v_slope * step;
+                // The other roots have z > pi/2 or c < 0.
+                let first = z <= FRAC_PI_2 * (1.0 + f64::EPSILON) && inertia * v <= 1.0 + 4.0 * f64::EPSILON;
+                return first.then_some(-v);
             }
         }
         None
+    }
+
+    /// v = -y at n phi = z, and its derivative by z.
+    #[inline]
+    fn fall(&self, z: f64) -> (f64, f64) {
+        let phi = z / self.elements;
+        let square = phi * phi;
+        // sin^2(phi/2) = (1 - cos phi)/2; the series leaves out phi^10/2.4e8, relative.
+        let sin2 = match square < 0.03 {
+            true => {
+                let tail = 1.0 / 360.0 - square * (1.0 / 20160.0 - square / 1_814_400.0);
+                0.25 * square * (1.0 - square * (1.0 / 12.0 - square * tail))
+            }
+            false => (0.5 * phi).sin().powi(2),
+        };
+        let part = 1.0 / (1.0 + self.slope * sin2);
+        let scale = (1.0 + self.slope) * part;
+        (sin2 * scale, (sin2 * (1.0 - sin2)).sqrt() / self.elements * scale * part)
     }
 }
