@@ -6,6 +6,7 @@ use super::{Ending, History, Mesh, Recording, StressField};
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::pencil::Penalty;
+use crate::scene::Bar;
 use crate::schemes::{ContactRule, Park, Scheme, Setup, State, Stepper};
 use crate::stability::{EngineName, Model};
 
@@ -119,6 +120,7 @@ impl Run {
         if !(0.0..=1.0).contains(&self.theta) {
             return Err(Refusal::new("theta", self.theta, "a number in [0, 1]"));
         }
+        self.check_energy()?;
         let steps = self.duration / self.time_step();
         if steps > MAX_STEPS {
             let value =
@@ -128,9 +130,27 @@ impl Run {
         Ok(self)
     }
 
+    /// Refuses velocities whose energy f64 cannot hold, with room for the work of the contacts.
+    fn check_energy(&self) -> Result<(), Refusal> {
+        let energy = |bar: &Bar| 0.5 * bar.element_mass() * bar.elements as f64 * bar.velocity * bar.velocity;
+        let energy: f64 = self.model.scene().bars().iter().map(energy).sum();
+        let largest = f64::MAX / 256.0;
+        if energy > largest {
+            let place = format!("scene {}, velocity", self.model.scene().name());
+            let value = format!("kinetic energy rho A L v^2/2 = {energy:e} J");
+            return Err(Refusal::new(place, value, format!("at most {largest:e} J")));
+        }
+        Ok(())
+    }
+
     /// The model.
     pub fn model(&self) -> &Model {
         &self.model
+    }
+
+    /// The penalties of the contacts from left to right.
+    pub fn penalties(&self) -> &[Penalty] {
+        &self.penalties
     }
 
     /// The scheme.

@@ -65,7 +65,8 @@ fn energy_ratio(run: &Run, history: &History) -> Option<f64> {
     let [first, last] = history.first_and_last;
     let start = first.stored() + available;
     let end = last.stored() + available - (last.body_work - first.body_work);
-    (start > 0.0).then(|| end / start)
+    // Below, energies are subnormal and have lost their digits.
+    (start >= f64::MIN_POSITIVE).then(|| end / start)
 }
 
 /// The work that the body force does until the row of bars touches its first wall, J.

@@ -262,6 +262,23 @@ fn check_bar(bar: &Bar, place: &dyn Fn(&str) -> String) -> Result<(), Refusal> {
     if !bar.velocity.is_finite() {
         return Err(Refusal::new(place("velocity"), bar.velocity, "a finite number (m/s)"));
     }
+    // A subnormal product has lost digits that its quotient by h would not show.
+    let products = [
+        ("length", "element length h", bar.element_length()),
+        ("youngs_modulus", "section stiffness E A", bar.youngs_modulus * bar.area),
+        ("density", "section mass rho A", bar.density * bar.area),
+        ("density", "squared wave speed E/rho", bar.youngs_modulus / bar.density),
+    ];
+    for (key, quantity, value) in products {
+        if !value.is_normal() {
+            let (low, high) = (f64::MIN_POSITIVE, f64::MAX);
+            return Err(Refusal::new(
+                place(key),
+                format!("{quantity} = {value:e}"),
+                format!("combinations with {low:e} <= {quantity} <= {high:e}"),
+            ));
+        }
+    }
     let derived = [
         ("youngs_modulus", "element stiffness E A/h", bar.element_stiffness()),
         ("density", "element mass rho A h", bar.element_mass()),

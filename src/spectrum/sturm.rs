@@ -88,8 +88,10 @@ impl<'a> Sturm<'a> {
         while above(low) {
             low *= 0.5;
         }
+        let mut widening = 64.0 * f64::EPSILON;
         while !above(high) && high < f64::MAX {
-            high *= 1.0 + 64.0 * f64::EPSILON;
+            high *= 1.0 + widening;
+            widening *= 2.0;
         }
         bisect(low, high, above)
     }

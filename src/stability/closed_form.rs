@@ -110,8 +110,11 @@ impl ClosedForm {
             low *= 0.125;
         }
         let mut high = high * (1.0 + 64.0 * f64::EPSILON);
+        // Rounding may put the bound a few units on the wrong side; the doubling ends the search whatever happens.
+        let mut widening = 64.0 * f64::EPSILON;
         while self.excess(penalties, high) < 0.0 && high < f64::MAX {
-            high *= 1.0 + 64.0 * f64::EPSILON;
+            high *= 1.0 + widening;
+            widening *= 2.0;
         }
         (low, high)
     }

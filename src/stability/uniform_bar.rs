@@ -94,7 +94,8 @@ impl UniformBar {
             return Some(Ends { q: self.diagonal * x - 1.0, o: Coupling::Element(d), w });
         }
         if y > 0.0 {
-            let root = w.sqrt();
+            // Far above omega_e^2 of a soft bar, w itself may leave the range of f64.
+            let root = if w.is_finite() { w.sqrt() } else { (self.factor * x).sqrt() * y.sqrt() };
             let q = match y >= self.saturation * d {
                 true => root,
                 false => root / (2.0 * self.elements * (y / d).sqrt().asinh()).tanh(),
@@ -116,7 +117,11 @@ impl UniformBar {
         let Ends { q, w, .. } = self.ends(l)?;
         match far_fixed {
             true => Some(self.stiffness * q),
-            false => (q > 0.0).then(|| self.stiffness * (w / q)),
+            false if w.is_finite() => (q > 0.0).then(|| self.stiffness * (w / q)),
+            false => {
+                let x = l / self.eigenvalue;
+                (q > 0.0).then(|| self.stiffness * (self.factor * (x / q) * (x - 1.0)))
+            }
         }
     }
 
@@ -160,7 +165,19 @@ enum Coupling {
 }
 
 impl Ends {
-    /// o^2, which underflows to 0 on a very long bar.
+    /// o^2/(q - a); o^2 underflows to 0 on a very long bar.
+    fn passed_on(&self, a: f64) -> f64 {
+        if self.w.is_finite() {
+            return self.coupling_squared() / (self.q - a);
+        }
+        let o = match self.o {
+            Coupling::Element(o) => o,
+            Coupling::Above { elements, rise } => self.q / (2.0 * elements * rise.sqrt().asinh()).cosh(),
+            Coupling::Within(z) => self.q / z.cos(),
+        };
+        o * (o / (self.q - a))
+    }
+
     fn coupling_squared(&self) -> f64 {
         match self.o {
             Coupling::Element(o) => o * o,
@@ -181,7 +198,7 @@ impl Segment for UniformBar {
             (true, true) => -1.0,
             (true, false) => -q,
             (false, true) => a - q,
-            (false, false) if a < q => ends.coupling_squared() / (q - a) - q,
+            (false, false) if a < q => ends.passed_on(a) - q,
             (false, false) => return None,
         };
         Some(self.stiffness * end)
@@ -222,6 +239,9 @@ impl UniformBar {
             }
             let x = 1.0 + y;
             let d = 1.0 + self.slope * x;
+            if !(self.factor * x * y).is_finite() {
+                return None;
+            }
             // sinh(theta) = 2 half/d and e^theta - 1 = 2 (y + half)/d.
             let half = (y * (d + y)).sqrt();
             let theta = (2.0 * (y + half) / d).ln_1p();

@@ -1,0 +1,114 @@
+//! Is the answer right where f64 ends? Extreme inputs against references in extended precision.
+//!
+//! Each case computes one quantity the way every tool does, for one extreme input, and compares it with a reference that
+//! was made without this crate (`tests/data/extreme_cases.py`). The allowed error is a formula in the unit roundoff. What
+//! f64 cannot hold must be refused by a message that names the quantity; such a case holds when the refusal comes.
+
+use std::process::ExitCode;
+
+use bipenalty::cli::{Output, OutputOptions, Progress, Verdict, finish, print_table};
+use bipenalty::error::{Refusal, Result};
+use bipenalty::precision::{Case, Checked, References, cases};
+use bipenalty::record::ExtremeRow;
+use clap::Parser;
+use rayon::prelude::*;
+
+/// Extreme inputs against extended precision; exit status 1 if a case does not hold.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXAMPLES)]
+struct Options {
+    /// Cases whose names contain one of these words [default: all]
+    #[arg(value_name = "WORD")]
+    words: Vec<String>,
+    #[command(flatten)]
+    output: OutputOptions,
+}
+
+const EXAMPLES: &str = "Examples:
+  extreme-cases                       all cases, into figures/extreme-cases/
+  extreme-cases beta-s ratio          the extreme penalties only
+  extreme-cases --stdout csv --quiet  records on standard output";
+
+fn main() -> ExitCode {
+    finish(run(&Options::parse()))
+}
+
+fn run(options: &Options) -> Result<Verdict> {
+    let chosen = choose(&options.words)?;
+    let output = Output::prepare(&options.output, "extreme-cases")?;
+    if options.output.explain {
+        println!("{} cases against tests/data/extreme_cases.csv; left out: figures", chosen.len());
+        return Ok(Verdict::Holds);
+    }
+    let references = References::built_in();
+    let progress = Progress::new(chosen.len(), "cases", options.output.quiet);
+    let checked: Result<Vec<Checked>> = chosen
+        .par_iter()
+        .map(|case| {
+            let reference = references.of(case).map_err(|missing| {
+                Refusal::new(&case.name, missing, "cases with a reference in the table that was built in")
+            })?;
+            let checked = case.check(&reference);
+            progress.add(1);
+            Ok(checked)
+        })
+        .collect();
+    drop(progress);
+    let checked = checked?;
+    let rows: Vec<ExtremeRow> = checked.iter().map(ExtremeRow::new).collect();
+    let files = output.write_rows("extreme-cases", &rows)?;
+    output.print(&rows)?;
+    if !options.output.quiet {
+        summarise(&checked);
+        output.report(files.len());
+    }
+    Ok(if checked.iter().all(|case| case.holds) { Verdict::Holds } else { Verdict::Fails })
+}
+
+/// The cases whose names contain one of `words`; all without words.
+fn choose(words: &[String]) -> Result<Vec<Case>> {
+    let asked = |case: &Case| words.is_empty() || words.iter().any(|word| case.name.contains(word.as_str()));
+    let chosen: Vec<Case> = cases().into_iter().filter(asked).collect();
+    if chosen.is_empty() {
+        let mut names: Vec<String> = cases().into_iter().map(|case| case.name).collect();
+        names.dedup();
+        return Err(Refusal::new("WORD", words.join(" "), format!("parts of {}", names.join(", "))).into());
+    }
+    Ok(chosen)
+}
+
+/// One line a quantity and what computes it, one line a case that does not hold.
+fn summarise(checked: &[Checked]) {
+    let mut kinds: Vec<&str> = Vec::new();
+    for case in checked {
+        if !kinds.contains(&case.quantity.as_str()) {
+            kinds.push(&case.quantity);
+        }
+    }
+    let header = ["quantity", "cases", "hold", "largest relative error", "largest error/allowed", "allowed"];
+    let line = |kind: &&str| {
+        let of_kind: Vec<&Checked> = checked.iter().filter(|case| case.quantity == **kind).collect();
+        let hold = of_kind.iter().filter(|case| case.holds).count();
+        let errors = of_kind.iter().filter_map(|case| case.relative_error);
+        let shares = of_kind.iter().filter_map(|case| Some(case.relative_error? / case.allowed?));
+        let largest = |numbers: Vec<f64>| match numbers.is_empty() {
+            true => "-".to_owned(),
+            false => format!("{:.1e}", numbers.into_iter().fold(0.0, f64::max)),
+        };
+        vec![
+            kind.to_string(),
+            of_kind.len().to_string(),
+            if hold == of_kind.len() { "all".to_owned() } else { format!("{hold}, NOT ALL") },
+            largest(errors.collect()),
+            largest(shares.collect()),
+            of_kind.first().map_or_else(String::new, |case| case.formula.to_owned()),
+        ]
+    };
+    print_table(&header, kinds.iter().map(line));
+    for case in checked.iter().filter(|case| !case.holds) {
+        eprintln!(
+            "does not hold: {}, {}: {:?} instead of {:?}",
+            case.case, case.quantity, case.computed, case.reference
+        );
+    }
+}

@@ -1,0 +1,67 @@
+//! The rows of the extreme cases.
+
+use serde::{Serialize, Serializer};
+
+use super::Number;
+use crate::precision::{Checked, Computed, Reference};
+
+/// A number, or the word `refused: ` with a message or a quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NumberOrRefusal {
+    /// A number.
+    Number(Number),
+    /// Why there is none.
+    Refused(String),
+}
+
+impl Serialize for NumberOrRefusal {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Number(number) => number.serialize(serializer),
+            Self::Refused(text) => serializer.collect_str(&format_args!("refused: {text}")),
+        }
+    }
+}
+
+/// One extreme case with its verdict.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExtremeRow {
+    /// Name of the case.
+    pub case: String,
+    /// What was computed, and by what.
+    pub quantity: String,
+    /// What came out: a number or a refusal.
+    pub computed: NumberOrRefusal,
+    /// What should have come out: a number, or the quantity that the refusal must name.
+    pub reference: NumberOrRefusal,
+    /// |computed - reference|/|reference|; empty for a refusal.
+    pub relative_error: Option<Number>,
+    /// The largest relative error allowed; empty for a refusal.
+    pub allowed: Option<Number>,
+    /// Whether the case holds.
+    pub holds: bool,
+    /// The formula of `allowed` in u = 2^-53; empty for a refusal.
+    pub allowed_formula: &'static str,
+}
+
+impl ExtremeRow {
+    /// The row of `checked`.
+    pub fn new(checked: &Checked) -> Self {
+        Self {
+            case: checked.case.clone(),
+            quantity: checked.quantity.clone(),
+            computed: match &checked.computed {
+                Computed::Value(value) => NumberOrRefusal::Number(Number(*value)),
+                Computed::Refused(message) => NumberOrRefusal::Refused(message.clone()),
+            },
+            reference: match &checked.reference {
+                Reference::Value(value) => NumberOrRefusal::Number(Number(*value)),
+                Reference::Refused(quantity) => NumberOrRefusal::Refused(quantity.clone()),
+            },
+            relative_error: checked.relative_error.map(Number),
+            allowed: checked.allowed.map(Number),
+            holds: checked.holds,
+            allowed_formula: checked.formula,
+        }
+    }
+}
