@@ -110,7 +110,8 @@ pub fn execute(
         .collect();
     match failure.into_inner() {
         Ok(Some(refusal)) => Err(Error::Refused(refusal)),
-        _ => Ok(finished.into_iter().flatten().collect()),
+        // A run that was stopped before its first row has nothing to say.
+        _ => Ok(finished.into_iter().flatten().filter(|run| !run.history.time.is_empty()).collect()),
     }
 }
 
