@@ -3,15 +3,16 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use bipenalty::fem::MassMatrix;
-use bipenalty::impact::{Ending, Exact, History, Mesh, Progress, Recording, Run, Summary};
+use bipenalty::impact::{Ending, Exact, Mesh, Progress, Recording, Run, Summary};
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
-use bipenalty::pencil::{Penalty, Pencil, Tridiagonal};
 use bipenalty::scene::{Bar, End, Impact, Scene, built_in};
-use bipenalty::schemes::{ContactRule, Park, Scheme, Setup, State, Stepper};
+use bipenalty::schemes::{ContactRule, Park, Scheme, Setup, Stepper};
 use bipenalty::stability::Model;
 
 #[path = "stepping/digits.rs"]
 mod digits;
+#[path = "stepping/energy.rs"]
+mod energy;
 #[path = "stepping/limits.rs"]
 mod limits;
 
@@ -65,172 +66,6 @@ fn a_square_wave_is_exact_at_the_limit_of_the_lumped_bar() {
             let error =
                 (0..=elements).map(|i| (state.displacement()[i] - wave(n, i)).abs()).fold(0.0, f64::max);
             assert!(error <= 8.0 * f64::EPSILON * n as f64, "step {n}: {error:e}");
-        }
-    }
-}
-
-/// v'Mv/2 + u_n'K u_{n+1}/2 with the penalty terms of a wall contact: what central differences keep. `after` is the
-/// state one step after u = `before`, so that its velocity is the one between them.
-fn leapfrog_energy(
-    pencil: &Pencil,
-    p: Penalty,
-    before: &[f64],
-    after: &State,
-    gaps: [f64; 2],
-    dt: f64,
-) -> f64 {
-    let n = before.len();
-    let (v, after) = (after.stored_velocity(), after.displacement());
-    let form = |a: &Tridiagonal, x: &[f64], y: &[f64]| -> f64 {
-        let mut product = vec![0.0; n];
-        a.multiply(y, &mut product);
-        x.iter().zip(&product).map(|(x, y)| x * y).sum()
-    };
-    let w = (gaps[1] - gaps[0]) / dt;
-    0.5 * (form(pencil.mass(), v, v) + p.mass * w * w)
-        + 0.5 * (form(pencil.stiffness(), before, after) + p.stiffness * gaps[0] * gaps[1])
-}
-
-#[test]
-fn central_differences_keep_their_energy_with_contact_held_open_or_closed() {
-    for mass in MASSES {
-        for (rule, beta_s) in [(ContactRule::HeldClosed, 5.0), (ContactRule::HeldOpen, 5.0)] {
-            let run = run("signorini", mass, Scheme::CentralDifference, beta_s, 2.0)
-                .with_relative_courant(0.6)
-                .unwrap()
-                .with_rule(rule);
-            let model = run.model();
-            let pencil = model.pencil();
-            let mut p = model.penalties(StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(2.0).unwrap())[0];
-            if rule == ContactRule::HeldOpen {
-                p = Penalty::default();
-            }
-            let (mut stepper, _) = run.prepare(false).unwrap();
-            let n = pencil.size();
-            // Without momentum: a bar that flies away loses digits of its stress, which is no matter of the scheme.
-            let mut velocity: Vec<f64> = (0..n).map(|i| 0.1 * ((i * i) as f64).sin()).collect();
-            let momentum: Vec<f64> = {
-                let mut product = vec![0.0; n];
-                pencil.mass().multiply(&velocity, &mut product);
-                product
-            };
-            let total: f64 = pencil.mass().diagonal.iter().sum::<f64>()
-                + 2.0 * pencil.mass().off_diagonal.iter().sum::<f64>();
-            let mean = momentum.iter().sum::<f64>() / total;
-            velocity.iter_mut().for_each(|v| *v -= mean);
-            let mut state = stepper.start(vec![0.0; n], velocity);
-            let mut energy = || {
-                let (before, gap) = (state.displacement().to_vec(), state.gaps()[0]);
-                stepper.step(&mut state);
-                leapfrog_energy(&pencil, p, &before, &state, [gap, state.gaps()[0]], run.time_step())
-            };
-            let start = energy();
-            let worst = (1..100_000).map(|_| (energy() / start - 1.0).abs()).fold(0.0, f64::max);
-            println!("{} {rule:?}: {worst:.1e}", mass.name());
-            assert!(worst <= 1e-12, "{} {rule:?}: {worst:e}", mass.name());
-        }
-    }
-}
-
-#[test]
-fn predictor_corrector_energy_never_grows_below_the_limit() {
-    // (M + k zz') u'' form: v'Mv/2 + u_{n-1}'K u_n/2 + k/(4 dt^2) (g_n^2 + g_{n-1}^2) falls by k/(4 dt^2) (g_{n+1} -
-    // g_{n-1})^2 a step, with k/dt^2 = s/(1 + mu (m - dt^2 s)).
-    for mass in MASSES {
-        for (beta_s, ratio, c) in
-            [(1.0, 1.0, 0.8), (10.0, 1.0, 0.5), (30.0, 0.25, 0.95), (3.0, f64::INFINITY, 0.3)]
-        {
-            let run = run("signorini", mass, Scheme::PredictorCorrector, beta_s, ratio)
-                .with_relative_courant(c)
-                .unwrap()
-                .with_rule(ContactRule::HeldClosed);
-            let pencil = run.model().pencil();
-            let p =
-                run.model().penalties(StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(ratio).unwrap())[0];
-            let dt = run.time_step();
-            let (mut stepper, mut state) = run.prepare(false).unwrap();
-            let effective = p.stiffness / (1.0 + stepper.compliance(0) * (p.mass - dt * dt * p.stiffness));
-            let mut energy = || {
-                let (before, gap) = (state.displacement().to_vec(), state.gaps()[0]);
-                stepper.step(&mut state);
-                let gaps = [gap, state.gaps()[0]];
-                let bars = leapfrog_energy(&pencil, Penalty::default(), &before, &state, gaps, dt);
-                bars + 0.25 * effective * (gaps[0] * gaps[0] + gaps[1] * gaps[1])
-            };
-            energy();
-            let start = energy();
-            let mut last = start;
-            for step in 0..20_000 {
-                let now = energy();
-                assert!(
-                    now <= last + 64.0 * f64::EPSILON * start,
-                    "{} {beta_s} {step}: {last} {now}",
-                    mass.name()
-                );
-                last = now;
-            }
-            assert!(last < start, "{} {beta_s}: nothing was lost", mass.name());
-        }
-    }
-}
-
-#[test]
-fn park_energy_does_not_grow_below_the_limit() {
-    // The physical energy of the scheme is no norm that falls in every step; near its limit, C = 0.7072, it overshoots
-    // its start by 2 %. From one stretch of steps to the next its maximum must fall.
-    for mass in MASSES {
-        for (c, overshoot) in [(0.5, 1.002), (0.69, 1.03)] {
-            let run = run("signorini", mass, Scheme::Park, 1e4, 1.0)
-                .with_relative_courant(c)
-                .unwrap()
-                .with_rule(ContactRule::HeldClosed);
-            let (mut stepper, mut state) = run.prepare(true).unwrap();
-            let start = stepper.energy(&mut state).stored();
-            let mut top_of = |steps: usize| {
-                let mut energy = || {
-                    stepper.step(&mut state);
-                    stepper.energy(&mut state).stored()
-                };
-                (0..steps).map(|_| energy()).fold(0.0, f64::max)
-            };
-            let highest: Vec<f64> = (0..10).map(|_| top_of(2_000)).collect();
-            println!("{} C = {c}: {:.4} of the start", mass.name(), highest[0] / start);
-            assert!(highest[0] <= start * overshoot, "{}: {highest:?} {start}", mass.name());
-            assert!(highest.windows(2).all(|pair| pair[1] <= pair[0]), "{}: {highest:?}", mass.name());
-        }
-    }
-}
-
-/// The largest energy that appears in a run: what the balance is rounded to.
-fn largest_energy(history: &History) -> f64 {
-    let size = |e: &bipenalty::schemes::Energy| {
-        [e.kinetic, e.strain, e.penalty, e.loss, e.body_work]
-            .into_iter()
-            .fold(0.0, |a: f64, b| a.max(b.abs()))
-    };
-    history.energy.iter().map(size).fold(0.0, f64::max)
-}
-
-#[test]
-fn the_energy_balance_closes_in_every_record() {
-    let recording = Recording { every: 3, energies: true, stress_times: Vec::new() };
-    for scene in ["signorini", "hunek", "bouncing-bar"] {
-        for mass in MASSES {
-            for scheme in Scheme::ALL {
-                for beta_s in [1.0, 1e4, 1e12] {
-                    let run = run(scene, mass, scheme, beta_s, 1.0);
-                    let history = run.execute(&recording, None).unwrap();
-                    let allowed = 4.0 * f64::EPSILON * history.steps as f64 * largest_energy(&history);
-                    let imbalance = history.imbalance();
-                    assert!(
-                        imbalance <= allowed,
-                        "{scene} {} {} {beta_s:e}: {imbalance:e} > {allowed:e}",
-                        mass.name(),
-                        scheme.name()
-                    );
-                    assert!(history.energy.len() as u64 > history.steps / 3);
-                }
-            }
         }
     }
 }
@@ -339,7 +174,7 @@ fn several_contacts_open_and_close_the_same_in_a_mirror() {
                     scheme.name()
                 );
             }
-            let allowed = 4.0 * f64::EPSILON * history.steps as f64 * largest_energy(history);
+            let allowed = 4.0 * f64::EPSILON * history.steps as f64 * energy::largest_energy(history);
             assert!(
                 history.imbalance() <= allowed,
                 "{} {}: {:e}",
