@@ -11,7 +11,7 @@ use bipenalty::cli::{
     exact_energy, exact_force, execute, finish, print_impacts,
 };
 use bipenalty::error::{Refusal, Result};
-use bipenalty::impact::{Recording, Run};
+use bipenalty::impact::{Ending, Recording, Run};
 use bipenalty::penalty::Ratio;
 use bipenalty::plot::impact_charts::{self, Quantity};
 use bipenalty::record::{HistoryRow, ImpactRow};
@@ -172,7 +172,12 @@ fn write(finished: &[FinishedRun], output: &Output) -> Result<usize> {
     } else {
         format!("-r{}", first.planned.ratio.get())
     };
-    let records: Vec<_> = finished.iter().map(FinishedRun::record).collect();
+    // What has blown up would hide everything else; its row says when.
+    let drawable = |run: &&FinishedRun| !matches!(run.history.ending, Ending::BlewUp { .. });
+    let records: Vec<_> = finished.iter().filter(drawable).map(FinishedRun::record).collect();
+    if records.is_empty() {
+        return Ok(files);
+    }
     for (name, quantity) in Quantity::ALL {
         let exact = match quantity {
             Quantity::Force => exact_force(run),

@@ -1,7 +1,7 @@
 //! The runs of `contact-impact`: every scene, mass matrix, penalty and scheme, in parallel.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 
@@ -72,6 +72,9 @@ impl FinishedRun {
     }
 }
 
+/// Raised by Ctrl-C.
+static STOP: AtomicBool = AtomicBool::new(false);
+
 /// Executes the runs in parallel. Ctrl-C ends them early; what is finished is returned.
 ///
 /// # Errors
@@ -81,10 +84,8 @@ pub fn execute(
     recording: &Recording,
     progress: &Progress,
 ) -> Result<Vec<FinishedRun>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    // A second handler cannot be set; the first then still does its work.
-    let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+    // Set once; a later call finds the handler in place, and all share the flag.
+    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
     let failure: Mutex<Option<Refusal>> = Mutex::new(None);
     let finished: Vec<Option<FinishedRun>> = planned
         .par_iter()
@@ -94,7 +95,7 @@ pub fn execute(
                 progress.add((done - seen) as usize);
                 seen = done;
             };
-            let watched = impact::Progress { stop: &stop, report: &mut report };
+            let watched = impact::Progress { stop: &STOP, report: &mut report };
             let history = planned.run.execute(recording, Some(watched));
             progress.add(planned.run.steps().saturating_sub(seen) as usize);
             match history {
