@@ -6,7 +6,7 @@
 
 use std::process::ExitCode;
 
-use bipenalty::cli::{Output, OutputOptions, Progress, Verdict, finish, print_table};
+use bipenalty::cli::{Output, OutputOptions, Progress, Verdict, arguments, finish, print_table};
 use bipenalty::error::{Refusal, Result};
 use bipenalty::precision::{Case, Checked, References, cases};
 use bipenalty::record::ExtremeRow;
@@ -30,7 +30,7 @@ const EXAMPLES: &str = "Examples:
   extreme-cases --stdout csv --quiet  records on standard output";
 
 fn main() -> ExitCode {
-    finish(run(&Options::parse()))
+    finish(run(&arguments::<Options>()))
 }
 
 fn run(options: &Options) -> Result<Verdict> {

@@ -8,7 +8,7 @@
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
-use bipenalty::cli::{Verdict, finish};
+use bipenalty::cli::{Verdict, arguments, finish};
 use bipenalty::error::Result;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
@@ -57,7 +57,7 @@ fn main() -> ExitCode {
     if let Some(code) = restarted_with_one_blas_thread() {
         return code;
     }
-    finish(run(&Options::parse()))
+    finish(run(&arguments::<Options>()))
 }
 
 /// OpenBLAS reads its number of threads when it is loaded: the run is repeated with one, unless the user chose.

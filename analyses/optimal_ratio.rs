@@ -8,8 +8,8 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, checked_grid, finish, print_table,
-    tabulate_ratios,
+    LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments, check_stems,
+    checked_grid, finish, print_table, tabulate_ratios,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::penalty::StiffnessPenalty;
@@ -52,7 +52,7 @@ struct Found {
 }
 
 fn main() -> ExitCode {
-    finish(run(&Options::parse()))
+    finish(run(&arguments::<Options>()))
 }
 
 fn run(options: &Options) -> Result<Verdict> {
@@ -105,6 +105,7 @@ fn plan(options: &Options) -> Result<Vec<Vec<Model>>> {
     let models: Vec<Vec<Model>> = asked.scenes()?.iter().map(|scene| asked.models(scene)).collect();
     models.iter().flatten().try_for_each(check_has_contact)?;
     models.iter().flatten().try_for_each(|model| options.limit.check(model))?;
+    check_stems(&options.output, models.iter().map(|models| models[0].scene().name().to_owned()))?;
     Ok(models)
 }
 

@@ -8,7 +8,8 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    Job, Limit, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Solved, Verdict, finish,
+    Job, Limit, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Solved, Verdict, arguments,
+    finish,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::penalty::StiffnessPenalty;
@@ -35,7 +36,7 @@ const LIMITS: [Limit; 4] =
     [Limit::Spectrum, Limit::CentralDifference, Limit::PredictorCorrector, Limit::Park];
 
 fn main() -> ExitCode {
-    finish(run(&Options::parse()))
+    finish(run(&arguments::<Options>()))
 }
 
 fn run(options: &Options) -> Result<Verdict> {

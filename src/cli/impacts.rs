@@ -61,12 +61,12 @@ impl FinishedRun {
         self.history.stress.iter().flat_map(|field| StressRow::of(run, exact.as_ref(), field)).collect()
     }
 
-    /// What the charts need.
-    pub fn record(&self) -> RunRecord {
+    /// What the charts need of `contact` (from 0).
+    pub fn record(&self, contact: usize) -> RunRecord {
         RunRecord {
             stiffness_penalty: self.planned.beta_s.get(),
             scheme: self.planned.run.scheme().facts().title,
-            history: HistoryRow::of(&self.history, 0),
+            history: HistoryRow::of(&self.history, contact),
             stress: self.stress(),
         }
     }

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
@@ -18,8 +18,8 @@ use crate::stability::{Axis, EngineName, Model, SchemeLimit};
 /// Which scenes, how finely meshed, with which mass.
 #[derive(Debug, Clone, Args)]
 pub struct SceneOptions {
-    /// Scenes: signorini, symmetric, hunek, or the path of a TOML file
-    #[arg(value_name = "SCENE")]
+    /// Scenes: signorini, symmetric, hunek, bouncing-bar, or the path of a TOML file
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
     pub scenes: Vec<String>,
     /// Elements of the first bar; the other bars keep their proportion
     #[arg(long, value_name = "N", value_parser = elements, allow_negative_numbers = true)]
@@ -224,7 +224,7 @@ impl FromStr for RatioSpec {
 #[derive(Debug, Clone, Args)]
 pub struct OutputOptions {
     /// Directory for the files [default: figures/<tool>]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
     /// What to write: svg, png, pdf, csv, json
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "svg,png,csv")]

@@ -1,5 +1,6 @@
 //! Files and standard output. Nothing is created before the run has something to write.
 
+use std::collections::HashSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -132,6 +133,23 @@ impl Output {
             Ok(()) => Ok(path),
             Err(source) => Err(Error::File { path, wanted: "written", source }),
         }
+    }
+}
+
+/// Refuses two parts of a run that would write the same files; the records of both may well be printed.
+///
+/// # Errors
+/// Names the first name of a file that comes twice.
+pub fn check_stems(options: &OutputOptions, stems: impl Iterator<Item = String>) -> Result<(), Refusal> {
+    let mut known = HashSet::new();
+    let mut stems = stems.filter(|_| options.stdout.is_none());
+    match stems.find(|stem| !known.insert(stem.clone())) {
+        None => Ok(()),
+        Some(stem) => Err(Refusal::new(
+            "SCENE, --mass or a list",
+            format!("a second run that writes {stem}"),
+            "scenes of different names and lists without repetition, or --stdout",
+        )),
     }
 }
 

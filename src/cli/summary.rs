@@ -193,12 +193,17 @@ pub fn print_impacts(rows: &[ImpactRow]) {
             short(row.ratio.0),
             optional(row.force_error),
             optional(row.steady_relative_gap),
-            row.energy_ratio.map_or("-".to_owned(), |x| format!("{:.6}", x.0)),
+            row.energy_ratio.map_or("-".to_owned(), |x| ratio(x.0)),
             row.switches.to_string(),
             row.ending.clone(),
         ]
     };
     print_table(&header, rows.iter().map(cells));
+}
+
+/// A ratio that is near 1 where all is well, and may be any number where it is not.
+fn ratio(x: f64) -> String {
+    if (1e-3..1e4).contains(&x) { format!("{x:.6}") } else { format!("{x:.4e}") }
 }
 
 /// Prints a plain table on standard error, as wide as its content.

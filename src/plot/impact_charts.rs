@@ -12,7 +12,7 @@ pub struct RunRecord {
     pub stiffness_penalty: f64,
     /// Name of the scheme.
     pub scheme: &'static str,
-    /// The history of the first contact.
+    /// The history of one contact.
     pub history: Vec<HistoryRow>,
     /// The stress at the chosen times.
     pub stress: Vec<StressRow>,
@@ -37,16 +37,19 @@ impl Quantity {
     pub const ALL: [(&'static str, Self); 3] =
         [("force", Self::Force), ("gap", Self::Gap), ("energy", Self::Energy)];
 
-    fn label(self) -> &'static str {
-        match self {
-            Self::Force => "contact force *λ* [N]",
-            Self::Gap => "penetration *g* / *h*",
-            Self::Energy => "kinetic + strain energy [J]",
-        }
+    /// Whether it belongs to a contact, not to the bars.
+    pub fn is_of_contact(self) -> bool {
+        self != Self::Energy
     }
 
-    fn axis(self) -> Axis {
-        if self == Self::Gap { Axis::log(self.label()) } else { Axis::linear(self.label()) }
+    /// The axis; a contact that is one of several is named by its number.
+    fn axis(self, contact: Option<usize>) -> Axis {
+        let index = contact.map_or_else(String::new, |number| format!("_{{{number}}}"));
+        match self {
+            Self::Force => Axis::linear(format!("contact force *λ*{index} [N]")),
+            Self::Gap => Axis::log(format!("penetration *g*{index} / *h*")),
+            Self::Energy => Axis::linear("kinetic + strain energy [J]"),
+        }
     }
 
     /// What is drawn of a row; NaN leaves a gap in the line.
@@ -60,16 +63,16 @@ impl Quantity {
     }
 }
 
-/// One quantity over time.
+/// One quantity over time; `contact` is the number, from 1 at the left, of a contact that is one of several.
 pub fn histories(
     scene: &str,
     mass: &str,
     runs: &[RunRecord],
-    quantity: Quantity,
+    (quantity, contact): (Quantity, Option<usize>),
     exact: &ExactLine,
 ) -> Figure {
     let curve = |run: &RunRecord| run.history.iter().map(|row| (row.time.0, quantity.value(row))).collect();
-    panels(scene, mass, runs, "time *t* [s]", &quantity.axis(), curve, &|_| exact.clone())
+    panels(scene, mass, runs, "time *t* [s]", &quantity.axis(contact), curve, &|_| exact.clone())
 }
 
 /// The stress along the bars at the time of the rows.
@@ -79,7 +82,13 @@ pub fn stresses(scene: &str, mass: &str, runs: &[RunRecord]) -> Figure {
         let point = |row: &StressRow| Some((row.position.0, row.exact.map(|Number(stress)| stress)?));
         run.stress.iter().filter_map(point).collect()
     };
-    panels(scene, mass, runs, "position *x* [m]", &Axis::linear("stress *σ* [Pa]"), curve, &exact)
+    let time = runs.iter().find_map(|run| run.stress.first()).map_or_else(String::new, |row| {
+        // The time of a step carries the rounding of its size.
+        let Number(time) = row.time;
+        format!(", *t* = {} s", number(format!("{time:.3e}").parse().unwrap_or(time)))
+    });
+    let position = format!("position *x* [m]{time}");
+    panels(scene, mass, runs, &position, &Axis::linear("stress *σ* [Pa]"), curve, &exact)
 }
 
 fn panels(
