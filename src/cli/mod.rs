@@ -14,7 +14,7 @@ mod summary;
 pub use arguments::arguments;
 pub use impacts::{FinishedRun, PlannedRun, exact_energy, exact_force, execute};
 pub use maps::{Chart, Job, Solved, checked_grid, paper};
-pub use options::{Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput};
+pub use options::{Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput, WidthOption};
 pub use output::{Output, check_stems};
 pub use progress::Progress;
 pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};

@@ -149,6 +149,6 @@ pub(super) fn plain(line: &Line, at: Point, anchor: Anchor) -> Text<'_> {
 }
 
 /// The power of ten taken out of tick labels, as it is written at the end of an axis.
-fn power_note(ticks: &Ticks) -> Option<String> {
+pub(super) fn power_note(ticks: &Ticks) -> Option<String> {
     ticks.power.map(|power| format!("×{}", power_of_ten(power)))
 }

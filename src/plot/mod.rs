@@ -13,7 +13,7 @@
 //!     vec![Layer::curve(curve, "*r* = ∞", 0)],
 //! );
 //! let svg = Figure::new(Width::Single, vec![panel]).svg()?;
-//! assert!(svg.contains("width=\"88mm\""));
+//! assert!(svg.contains("width=\"90mm\""));
 //! # Ok::<(), bipenalty::plot::PlotError>(())
 //! ```
 //!
@@ -39,6 +39,9 @@ mod markup;
 mod model;
 mod names;
 mod search;
+mod tex;
+mod tex_data;
+mod tex_label;
 mod theme;
 mod ticks;
 mod trace;
