@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::Progress;
 use super::summary::short;
 use crate::error::{Error, Refusal, Result};
-use crate::impact::{self, Exact, History, Recording, Run};
+use crate::impact::{self, Exact, History, Mesh, Recording, Run};
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::plot::impact_charts::{ExactLine, RunRecord};
 use crate::record::{HistoryRow, ImpactRow, StressRow};
@@ -118,18 +118,19 @@ pub fn execute(
 
 /// The exact contact force of a run's scene, with its jumps.
 pub fn exact_force(run: &Run) -> ExactLine {
-    let Some(exact) = Exact::of(run.model().scene(), run.duration()) else { return Vec::new() };
-    let samples = 600;
-    let mut line = vec![(0.0, 0.0)];
-    for i in 0..=samples {
-        let t = run.duration() * f64::from(i) / f64::from(samples);
-        let (before, after) = (exact.force_before(t), exact.force(t));
-        if before != after {
-            line.push((t, before));
-        }
-        line.push((t, after));
-    }
-    line
+    Exact::of(run.model().scene(), run.duration()).map_or_else(Vec::new, |exact| exact.force_line())
+}
+
+/// The exact stress at time t with the bars laid end to end, with its jumps.
+pub fn exact_stress(run: &Run, t: f64) -> ExactLine {
+    let scene = run.model().scene();
+    let Some(exact) = Exact::of(scene, run.duration()) else { return Vec::new() };
+    let mesh = Mesh::new(scene);
+    let line = |bar: usize| {
+        let start = mesh.start(bar);
+        exact.stress_line(bar, t).into_iter().map(move |(x, stress)| (start + x, stress))
+    };
+    (0..scene.bars().len()).flat_map(line).collect()
 }
 
 /// The exact kinetic and strain energy, J.

@@ -11,7 +11,7 @@ use super::legend::Legend;
 use super::model::{Figure, Layer, Naming};
 use super::names::{Name, Names, Series, is_series, label_of, place, right_end};
 use super::theme::{
-    BLACK, CASING_STROKE, CURVE_STROKE, GAP, GREY, LABEL_SIZE, LEADER, MARKER, SHADE, THIN_STROKE, WHITE,
+    BLACK, CASING_STROKE, CURVE_STROKE, GAP, GREY, LABEL_SIZE, LEADER, MARKER, PT, SHADE, THIN_STROKE, WHITE,
     series_colour, series_dash, series_shape,
 };
 use super::trace::{Trace, trace};
@@ -172,8 +172,16 @@ fn draw_layer(
             canvas.stroke(line, pen)?;
         }
     }
+    // A value alone between gaps of a curve is a dot of the line, not a marker; a curve of one value has only that.
+    let of_line = matches!(layer, Layer::Curve { .. } | Layer::Exact { .. })
+        && (trace.dots.len() > 1 || !trace.lines.is_empty());
     for dot in &trace.dots {
-        draw_dot(canvas, layer, *dot)?;
+        if of_line {
+            let pen = Pen::solid(pen_of(layer).map_or(BLACK, |pen| pen.colour), 0.0);
+            canvas.marker(*dot, CURVE_STROKE * PT / 2.0, series_shape(0), pen)?;
+        } else {
+            draw_dot(canvas, layer, *dot)?;
+        }
     }
     Ok(())
 }

@@ -72,23 +72,19 @@ pub fn histories(
     exact: &ExactLine,
 ) -> Figure {
     let curve = |run: &RunRecord| run.history.iter().map(|row| (row.time.0, quantity.value(row))).collect();
-    panels(scene, mass, runs, "time *t* [s]", &quantity.axis(contact), curve, &|_| exact.clone())
+    panels(scene, mass, runs, "time *t* [s]", &quantity.axis(contact), curve, exact)
 }
 
-/// The stress along the bars at the time of the rows.
-pub fn stresses(scene: &str, mass: &str, runs: &[RunRecord]) -> Figure {
+/// The stress along the bars at the time of the rows, beside the `exact` one at that time.
+pub fn stresses(scene: &str, mass: &str, runs: &[RunRecord], exact: &ExactLine) -> Figure {
     let curve = |run: &RunRecord| run.stress.iter().map(|row| (row.position.0, row.stress.0)).collect();
-    let exact = |run: &RunRecord| {
-        let point = |row: &StressRow| Some((row.position.0, row.exact.map(|Number(stress)| stress)?));
-        run.stress.iter().filter_map(point).collect()
-    };
     let time = runs.iter().find_map(|run| run.stress.first()).map_or_else(String::new, |row| {
         // The time of a step carries the rounding of its size.
         let Number(time) = row.time;
         format!(", *t* = {} s", number(format!("{time:.3e}").parse().unwrap_or(time)))
     });
     let position = format!("position *x* [m]{time}");
-    panels(scene, mass, runs, &position, &Axis::linear("stress *σ* [Pa]"), curve, &exact)
+    panels(scene, mass, runs, &position, &Axis::linear("stress *σ* [Pa]"), curve, exact)
 }
 
 fn panels(
@@ -98,7 +94,7 @@ fn panels(
     x: &str,
     y: &Axis,
     curve: impl Fn(&RunRecord) -> Vec<(f64, f64)>,
-    exact: &dyn Fn(&RunRecord) -> ExactLine,
+    exact: &ExactLine,
 ) -> Figure {
     let mut penalties: Vec<f64> = runs.iter().map(|run| run.stiffness_penalty).collect();
     penalties.dedup();
@@ -109,9 +105,8 @@ fn panels(
             let label = Some(literal(run.scheme));
             layers.push(Layer::Curve { points: curve(run), label, style: style(run.scheme) });
         }
-        let points = of_panel.first().map_or_else(Vec::new, |run| exact(run));
-        if !points.is_empty() {
-            layers.push(Layer::Exact { points, label: Some("exact".to_owned()) });
+        if !exact.is_empty() {
+            layers.push(Layer::Exact { points: exact.clone(), label: Some("exact".to_owned()) });
         }
         let title =
             format!("{}, {}, *β*_{{s}} = {}", literal(&scene_name(scene)), literal(mass), number(*beta_s));

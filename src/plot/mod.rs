@@ -33,6 +33,7 @@ mod font;
 mod frame;
 mod geometry;
 pub mod impact_charts;
+mod isolines;
 mod layout;
 mod legend;
 mod markup;
