@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use bipenalty::cli::{
     Job, Limit, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Solved, Verdict, arguments,
-    finish,
+    check_stems, finish, print_table,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::penalty::StiffnessPenalty;
@@ -212,8 +212,11 @@ fn summarise(rows: &[StabilityRow], ratios: &[OptimalRatioRow]) {
         let (scene, mass, limit) = kind.clone();
         let mine = |row: &&OptimalRatioRow| (&row.scene, &row.mass, row.limit) == (&scene, &mass, limit);
         let ratio = smallest(&mut ratios.iter().filter(mine).filter_map(|row| Some(row.optimal_ratio?.0)));
-        let none = if limit == Limit::Park.name() { "none" } else { "-" };
-        let ratio = ratio.map_or(none.to_owned(), |ratio| format!("{ratio:.6}"));
+        let ratio = match ratio {
+            None => "-".to_owned(),
+            Some(0.0) => "none".to_owned(),
+            Some(ratio) => format!("{ratio:.6}"),
+        };
         vec![scene, mass, limit.to_owned(), kept.unwrap_or("-".to_owned()), ratio]
     };
     let header = ["scene", "mass", "limit", "step kept at r = 1, beta_s up to 10", "largest r without cost"];
