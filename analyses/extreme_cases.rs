@@ -37,7 +37,10 @@ fn run(options: &Options) -> Result<Verdict> {
     let chosen = choose(&options.words)?;
     let output = Output::prepare(&options.output, "extreme-cases")?;
     if options.output.explain {
-        println!("{} cases against tests/data/extreme_cases.csv; left out: figures", chosen.len());
+        let cases = chosen.len();
+        Output::print_text(&format!(
+            "{cases} cases against tests/data/extreme_cases.csv; left out: figures\n"
+        ))?;
         return Ok(Verdict::Holds);
     }
     let references = References::built_in();

@@ -199,6 +199,14 @@ pub fn print_impacts(rows: &[ImpactRow]) {
         ]
     };
     print_table(&header, rows.iter().map(cells));
+    let blown_up = rows.iter().filter(|row| row.ending.starts_with("blew up")).count();
+    if blown_up > 0 {
+        let all = rows.len();
+        eprintln!(
+            "{blown_up} of {all} runs blew up, so that they have no errors and are in no figure: \
+             their step is too large for the scheme; a smaller --relative-courant or --ratio helps"
+        );
+    }
 }
 
 /// A ratio that is near 1 where all is well, and may be any number where it is not.
