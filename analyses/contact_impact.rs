@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use bipenalty::cli::{
     FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_stems,
-    checked_grid, exact_energy, exact_force, execute, finish, print_impacts,
+    checked_grid, exact_energy, exact_force, exact_stress, execute, finish, print_impacts,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::impact::{Ending, Exact, Recording, Run};
@@ -215,6 +215,7 @@ fn draw(planned: &PlannedRun, runs: &[&FinishedRun], contact: usize, output: &Ou
     let (scene, mass) = (run.model().scene().name(), run.model().mass().name());
     let ratio = if ratio == 1.0 { String::new() } else { format!("-r{ratio}") };
     let records: Vec<_> = runs.iter().map(|run| run.record(contact)).collect();
+    let summary: Vec<ImpactRow> = runs.iter().map(|run| run.row()).collect();
     let number = (run.penalties().len() > 1).then_some(contact + 1);
     let mut files = 0;
     for (name, quantity) in Quantity::ALL.into_iter().filter(|(_, q)| contact == 0 || q.is_of_contact()) {
@@ -225,11 +226,16 @@ fn draw(planned: &PlannedRun, runs: &[&FinishedRun], contact: usize, output: &Ou
         };
         let figure = impact_charts::histories(scene, &mass, &records, (quantity, number), &exact);
         let stem = format!("{scene}-{name}-{mass}{ratio}{}", suffix(contact));
-        files += output.write_figure(&stem, &figure)?.len();
+        let histories: Vec<String> = runs.iter().map(|run| run.planned.stem() + &suffix(contact)).collect();
+        files += output.write_figure_of(&stem, &figure, &histories, Some(&summary))?.len();
     }
     if contact == 0 {
-        let figure = impact_charts::stresses(scene, &mass, &records);
-        files += output.write_figure(&format!("{scene}-stress-{mass}{ratio}"), &figure)?.len();
+        let time = records.iter().flat_map(|record| &record.stress).map(|row| row.time.0).next();
+        let exact = time.map_or_else(Vec::new, |time| exact_stress(run, time));
+        let figure = impact_charts::stresses(scene, &mass, &records, &exact);
+        let stem = format!("{scene}-stress-{mass}{ratio}");
+        let stresses: Vec<String> = runs.iter().map(|run| run.planned.stem() + "-stress").collect();
+        files += output.write_figure_of(&stem, &figure, &stresses, Some(&summary))?.len();
     }
     Ok(files)
 }

@@ -10,8 +10,7 @@ use std::process::ExitCode;
 
 use bipenalty::cli::{
     LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments, check_stems,
-    checked_grid, finish, print_table,
-    redraw_optimal_ratio, tabulate_ratios,
+    checked_grid, finish, print_table, redraw_optimal_ratio, tabulate_ratios,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::penalty::StiffnessPenalty;

@@ -169,9 +169,9 @@ fn optimal_ratios(
         let rows = models.iter().map(|model| ratios_of(model, scheme, theta)).collect::<Result<Vec<_>>>()?;
         let stem = format!("optimal-ratio-{}", scheme.name());
         *files += output.write_rows(&stem, &rows.concat())?.len();
-        // Every ratio costs the Park scheme a step: nothing to draw.
-        if output.wants_figures() && scheme == Limit::PredictorCorrector {
-            *files += output.write_figure(&stem, &charts::optimal_scheme_ratio(&rows, true))?.len();
+        // Where every ratio costs a step, as with the Park scheme, there is nothing to draw.
+        if let Some(figure) = charts::optimal_ratio(&rows, true).filter(|_| output.wants_figures()) {
+            *files += output.write_figure(&stem, &figure)?.len();
         }
         found.extend(rows.concat());
     }

@@ -9,8 +9,7 @@ use std::process::ExitCode;
 
 use bipenalty::cli::{
     Chart, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress, RatioSpec, SceneOptions, Solved,
-    Verdict, arguments, check_stems, finish, paper, point_answers, print_summaries,
-    redraw_stability,
+    Verdict, arguments, check_stems, finish, paper, point_answers, print_summaries, redraw_stability,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::charts;

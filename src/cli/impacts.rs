@@ -118,7 +118,9 @@ pub fn execute(
 
 /// The exact contact force of a run's scene, with its jumps.
 pub fn exact_force(run: &Run) -> ExactLine {
-    Exact::of(run.model().scene(), run.duration()).map_or_else(Vec::new, |exact| exact.force_line())
+    // From the free bars before the start.
+    let line = |exact: Exact| [vec![(0.0, 0.0)], exact.force_line()].concat();
+    Exact::of(run.model().scene(), run.duration()).map_or_else(Vec::new, line)
 }
 
 /// The exact stress at time t with the bars laid end to end, with its jumps.

@@ -15,7 +15,9 @@ mod summary;
 pub use arguments::arguments;
 pub use impacts::{FinishedRun, PlannedRun, exact_energy, exact_force, exact_stress, execute};
 pub use maps::{Chart, Job, Solved, checked_grid, paper};
-pub use options::{Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput, WidthOption};
+pub use options::{
+    Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput, WidthOption,
+};
 pub use output::{Output, check_stems};
 pub use progress::Progress;
 pub use redraw::{redraw_optimal_ratio, redraw_stability};

@@ -162,7 +162,8 @@ impl Output {
             let about = about.map(|rows| Table::of("", &record::csv(rows)?)).transpose()?;
             let width = figure.width.millimetres();
             let mut record = FigureRecord::new(stem, width, self.provenance.clone(), &data, about.as_ref());
-            record.files = written.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect();
+            record.files =
+                written.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect();
             record.seconds = self.begun.elapsed().as_secs_f64();
             written.extend(self.write(stem, Format::Record, &record::figure_json(&record)?)?);
         }

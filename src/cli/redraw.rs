@@ -30,7 +30,8 @@ pub fn redraw_optimal_ratio(file: &Path, output: &Output) -> Result<(Vec<Optimal
     let betas: Vec<f64> = models[0].iter().map(|row| row.stiffness_penalty.0).collect();
     let figure = charts::optimal_ratio(&models, charts::is_logarithmic(&betas)).filter(|_| betas.len() > 1);
     let allowed = "at least two stiffness penalties and a ratio";
-    let figure = figure.ok_or_else(|| Refusal::new(file.display().to_string(), "too few rows to draw", allowed))?;
+    let figure =
+        figure.ok_or_else(|| Refusal::new(file.display().to_string(), "too few rows to draw", allowed))?;
     let files = write(file, &rows, &figure, output)?;
     Ok((rows, files))
 }
@@ -75,7 +76,8 @@ fn is_grid(rows: &[StabilityRow]) -> bool {
     let betas = |curve: &[StabilityRow]| curve.iter().map(|row| row.stiffness_penalty.0).collect::<Vec<_>>();
     let mut ratios: Vec<f64> = curves.iter().map(|curve| curve[0].ratio.0).collect();
     ratios.sort_by(f64::total_cmp);
-    ratios.windows(2).all(|pair| pair[0] < pair[1]) && curves.iter().all(|curve| betas(curve) == betas(curves[0]))
+    ratios.windows(2).all(|pair| pair[0] < pair[1])
+        && curves.iter().all(|curve| betas(curve) == betas(curves[0]))
 }
 
 fn write<R: serde::Serialize + Clone>(

@@ -125,7 +125,9 @@ pub fn is_logarithmic(values: &[f64]) -> bool {
         gaps.fold(0.0, f64::max) / (of(values[values.len() - 1]) - of(values[0]))
     };
     let positive = values.first().is_some_and(|least| *least > 0.0);
-    positive && values.iter().all(|value| value.is_finite()) && unevenness(f64::ln) < unevenness(|value| value)
+    positive
+        && values.iter().all(|value| value.is_finite())
+        && unevenness(f64::ln) < unevenness(|value| value)
 }
 
 /// The rows of one model as curves (r, points), in their order, the points of each by increasing beta_s.
@@ -244,7 +246,8 @@ pub fn optimal_ratio(models: &[Vec<OptimalRatioRow>], log: bool) -> Option<Figur
     }
     let row = models.iter().flatten().next()?;
     let of_scheme = matches!(row.limit, "predictor-corrector" | "park");
-    let (least, most) = found.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), r| (low.min(*r), high.max(*r)));
+    let (least, most) =
+        found.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), r| (low.min(*r), high.max(*r)));
     let (y, title) = if of_scheme {
         let title = format!("{}, {}", scene_name(&row.scene), limit_name(row.limit));
         (Axis::linear("largest *r* without cost").over(0.0, 1.5), title)

@@ -16,7 +16,10 @@ pub(super) fn isolines(x: &[f64], y: &[f64], values: &[f64], level: f64) -> Vec<
         for i in 0..x.len().saturating_sub(1) {
             let corners = [height(i, j), height(i + 1, j), height(i + 1, j + 1), height(i, j + 1)];
             if corners.iter().all(|corner| corner.is_finite()) {
-                segments.extend(cell(corners, [(i, j, false), (i + 1, j, true), (i, j + 1, false), (i, j, true)]));
+                segments.extend(cell(
+                    corners,
+                    [(i, j, false), (i + 1, j, true), (i, j + 1, false), (i, j, true)],
+                ));
             }
         }
     }
@@ -87,7 +90,9 @@ mod tests {
             assert!((x * x / 4.0 / y - 1.0).abs() < 64.0 * f64::EPSILON, "({x}, {y})");
         }
         let ends = [lines[0][0], lines[0][lines[0].len() - 1]];
-        assert!(ends.iter().any(|end| end.1 == 1.0) && ends.iter().any(|end| end.1 == 729.0 || end.0 == 256.0));
+        assert!(
+            ends.iter().any(|end| end.1 == 1.0) && ends.iter().any(|end| end.1 == 729.0 || end.0 == 256.0)
+        );
     }
 
     #[test]

@@ -90,7 +90,8 @@ fn source(layer: &Layer, tables: &[Columns], usual: &Usual) -> Option<Block> {
         return tables.iter().find_map(|table| table.map(x, y, values));
     }
     let points = series_of(layer)?;
-    let count = |block: &Block| usual.iter().find(|(c, _)| *c == block.columns).map_or(0, |(_, count)| *count);
+    let count =
+        |block: &Block| usual.iter().find(|(c, _)| *c == block.columns).map_or(0, |(_, count)| *count);
     // The last of equals: columns of results stand behind those of inputs.
     tables.iter().flat_map(|table| table.blocks(points)).max_by_key(count)
 }
@@ -133,7 +134,13 @@ fn panel(
     }
     tex.push_str("]\n");
     for layer in &panel.layers {
-        draw_layer(tex, layer, &placed.frame, source(layer));
+        let block = source(layer);
+        match (layer, &page.bar) {
+            (Layer::Cells { x, y, values }, Some(bar)) => {
+                draw_cells(tex, (x, y, values), bar.interval.scale, block);
+            }
+            _ => draw_layer(tex, layer, &placed.frame, block),
+        }
     }
     for layer in page.legend.layers().filter(|_| first) {
         let name = tex_label(label_of(layer).unwrap_or_default())?;
@@ -209,7 +216,8 @@ fn draw_layer(tex: &mut String, layer: &Layer, frame: &Frame, block: Option<Bloc
         let _ = writeln!(tex, "\\addplot[forget plot, {style}] coordinates {{{}}}{end};", list(points));
     };
     match layer {
-        Layer::Cells { x, y, values } => return draw_cells(tex, (x, y, values), block),
+        // A map is drawn with its colour bar.
+        Layer::Cells { .. } => (),
         Layer::Curve { points, .. } | Layer::Markers { points, .. } => match block {
             Some(Block { file, columns, rows: (first, last) }) => {
                 let _ = writeln!(
@@ -238,22 +246,31 @@ fn draw_layer(tex: &mut String, layer: &Layer, frame: &Frame, block: Option<Bloc
 }
 
 /// A map as coloured cells; their edges take the colour of the cell, which leaves no seams.
-fn draw_cells(tex: &mut String, (x, y, values): (&[f64], &[f64], &[f64]), block: Option<Block>) {
+fn draw_cells(
+    tex: &mut String,
+    (x, y, values): (&[f64], &[f64], &[f64]),
+    scale: Scale,
+    block: Option<Block>,
+) {
+    let log = scale == Scale::Log;
     let common = format!("forget plot, matrix plot*, mesh/cols={}, shader=flat", x.len());
     match block {
         Some(Block { file, columns, rows: (first, last) }) => {
             let _ = writeln!(
                 tex,
                 "\\addplot[{common}, rows={first} to {last}]\n  table[col sep=comma, x={}, y={}, \
-                 meta expr=log10(\\thisrow{{{}}})] {{{file}}};",
-                columns[0], columns[1], columns[2]
+                 meta expr={}(\\thisrow{{{}}})] {{{file}}};",
+                columns[0],
+                columns[1],
+                if log { "log10" } else { "" },
+                columns[2]
             );
         }
         None => {
             let _ = write!(tex, "\\addplot[{common}, point meta=explicit] coordinates {{");
             let centres = y.iter().flat_map(|y| x.iter().map(move |x| (x, y)));
             for ((x, y), value) in centres.zip(values) {
-                let _ = write!(tex, "({x:e},{y:e})[{:e}]", value.log10());
+                let _ = write!(tex, "({x:e},{y:e})[{:e}]", if log { value.log10() } else { *value });
             }
             tex.push_str("};\n");
         }

@@ -93,7 +93,12 @@ fn rows<R>(
     let header = reader.headers().map_err(unreadable)?;
     if header.iter().ne(columns.iter().copied()) {
         let found = header.iter().collect::<Vec<_>>().join(",");
-        return Err(Refusal::new(place(1), format!("{found:?}"), format!("the columns {}", columns.join(","))).into());
+        return Err(Refusal::new(
+            place(1),
+            format!("{found:?}"),
+            format!("the columns {}", columns.join(",")),
+        )
+        .into());
     }
     let mut rows = Vec::new();
     for record in reader.records() {
@@ -144,13 +149,14 @@ impl Cells<'_> {
         if self.text(column).is_empty() {
             return Ok(None);
         }
-        self.number(column, "a positive number, or nothing", |value| value > 0.0 && value.is_finite()).map(Some)
+        self.number(column, "a positive number, or nothing", |value| value > 0.0 && value.is_finite())
+            .map(Some)
     }
 
     /// A result that lies between `lower` and `upper`; all three are there or none.
     fn enclosed(&self, column: &str) -> Result<Option<Number>, Refusal> {
-        let [value, lower, upper] =
-            [self.result(column)?, self.result("lower")?, self.result("upper")?].map(|n| n.map(|Number(x)| x));
+        let [value, lower, upper] = [self.result(column)?, self.result("lower")?, self.result("upper")?]
+            .map(|n| n.map(|Number(x)| x));
         let holds = match (value, lower, upper) {
             (Some(value), Some(lower), Some(upper)) => lower <= value && value <= upper,
             (None, None, None) => true,
