@@ -146,17 +146,23 @@ impl Output {
             let tables = self.tables.lock().unwrap_or_else(PoisonError::into_inner);
             sources.iter().filter_map(|stem| tables.get(stem)).cloned().collect()
         };
-        let mut written = Vec::new();
+        let (mut written, mut images) = (Vec::new(), Vec::new());
         for format in self.file_formats().filter(|format| format.is_figure()) {
             let drawn = match format {
                 Format::Svg => figure.svg().map(String::into_bytes),
                 Format::Png => figure.png(),
                 Format::Pdf => figure.pdf(),
-                Format::Tex => figure.tex(&data).map(String::into_bytes),
+                Format::Tex => figure.tex(stem, &data).map(|tex| {
+                    images = tex.images;
+                    tex.text.into_bytes()
+                }),
                 Format::Csv | Format::Json | Format::Record => continue,
             };
             let bytes = drawn.map_err(|source| Error::Figure { name: stem.to_owned(), source })?;
             written.extend(self.write(stem, format, &bytes)?);
+        }
+        for (name, png) in &images {
+            written.extend(self.write(name, Format::Png, png)?);
         }
         if self.wants_figures() && self.writes(Format::Record) {
             let about = about.map(|rows| Table::of("", &record::csv(rows)?)).transpose()?;

@@ -56,3 +56,4 @@ pub use markup::literal;
 pub use model::{
     At, Axis, ColourBar, ColourMap, DataPoint, Figure, Layer, Naming, Panel, Scale, Side, Width,
 };
+pub use tex::TexSource;

@@ -1,10 +1,12 @@
 //! A figure as source for pgfplots, which sets it in the fonts of the paper. It reads its points from the records; what
-//! no record holds, such as contour lines and exact solutions, is written out.
+//! no record holds, such as contour lines and exact solutions, is written out. The cells of a map are an image: as many
+//! as a map has do not fit into TeX's memory, and have seams.
 
 use std::fmt::Write as _;
 
 use super::axes::power_note;
 use super::canvas::Pen;
+use super::cells::cells_image;
 use super::draw::{Page, Scene, pen_of};
 use super::error::PlotError;
 use super::font::Fonts;
@@ -25,7 +27,8 @@ const HEAD: &str = r"% Compile with pdflatex or lualatex, or \input it with \use
 \pgfplotsset{
   compat=1.16,
   filter discard warning=false,
-  rows/.style args={#1 to #2}{x filter/.expression={\coordindex<#1 || \coordindex>#2 ? nan : x}},
+  rows/.style args={#1 to #2}{x filter/.code={%
+    \ifnum\coordindex<#1\relax\def\pgfmathresult{}\fi\ifnum\coordindex>#2\relax\def\pgfmathresult{}\fi}},
   panel/.style={
     scale only axis, anchor=south west, tick align=outside, tick pos=left, unbounded coords=jump,
     tick style={black, line width=0.5pt}, major tick length=1mm, minor tick length=0.6mm,
@@ -37,26 +40,65 @@ const HEAD: &str = r"% Compile with pdflatex or lualatex, or \input it with \use
 \begin{tikzpicture}[x=1mm, y=1mm, every node/.append style={font=\footnotesize, inner sep=0.5pt}]
 ";
 
+/// TeX source and the images it places, by name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TexSource {
+    /// The source.
+    pub text: String,
+    /// Names without folder and ending, and PNG files.
+    pub images: Vec<(String, Vec<u8>)>,
+}
+
 impl Figure {
-    /// The figure as TeX source for pgfplots that reads its points from `tables` where these hold them.
+    /// The figure as TeX source for pgfplots that reads its points from `tables` where these hold them. The names of
+    /// images begin with `stem`.
     ///
     /// # Errors
     /// As [`Figure::svg`].
-    pub fn tex(&self, tables: &[Table]) -> Result<String, PlotError> {
+    pub fn tex(&self, stem: &str, tables: &[Table]) -> Result<TexSource, PlotError> {
         let fonts = Fonts::new()?;
         let page = self.arrange(&fonts)?;
         let columns: Vec<Columns> = tables.iter().map(Columns::of).collect();
-        let mut tex = HEAD.to_owned();
+        let (mut tex, mut images) = (HEAD.to_owned(), Vec::new());
         let usual = usual_columns(self, &columns);
         for (index, scene) in page.scenes.iter().enumerate() {
+            images.extend(cells(&mut tex, &page, scene, &format!("{stem}-cells{}", index + 1))?);
             panel(&mut tex, &page, index, &|layer| source(layer, &columns, &usual))?;
             for name in &scene.names.placed {
                 draw_name(&mut tex, &page, scene, name)?;
             }
         }
         tex.push_str("\\end{tikzpicture}\n\\end{document}\n");
-        Ok(tex)
+        Ok(TexSource { text: tex, images })
     }
+}
+
+/// Places the coloured cells of a panel, if it has some; their image.
+fn cells(
+    tex: &mut String,
+    page: &Page,
+    scene: &Scene,
+    name: &str,
+) -> Result<Option<(String, Vec<u8>)>, PlotError> {
+    let (panel, frame) = (scene.placed.panel, &scene.placed.frame);
+    let cells = panel.layers.iter().find_map(|layer| match layer {
+        Layer::Cells { x, y, values } => Some((x.as_slice(), y.as_slice(), values.as_slice())),
+        _ => None,
+    });
+    let (Some(cells), Some(bar)) = (cells, &page.bar) else { return Ok(None) };
+    let image = cells_image((panel, frame), cells, (bar.bar.map, bar.interval))?;
+    Ok(image.map(|(png, place)| {
+        let _ = writeln!(
+            tex,
+            "\\node[anchor=south west, inner sep=0pt] at ({:.2},{:.2})\n  \
+             {{\\includegraphics[width={:.2}mm, height={:.2}mm]{{{name}}}}};",
+            place.left,
+            page.height - place.bottom,
+            place.width(),
+            place.height()
+        );
+        (name.to_owned(), png)
+    }))
 }
 
 /// Pairs of columns that hold points of the figure's layers, and of how many.
@@ -79,16 +121,15 @@ fn usual_columns(figure: &Figure, tables: &[Columns]) -> Usual {
 
 fn series_of(layer: &Layer) -> Option<&[DataPoint]> {
     match layer {
-        Layer::Curve { points, .. } | Layer::Markers { points, .. } if points.len() > 1 => Some(points),
+        Layer::Curve { points, .. } | Layer::Markers { points, .. } | Layer::Shade { points, .. } => {
+            (points.len() > 1).then_some(points)
+        }
         _ => None,
     }
 }
 
 /// The rows that hold the points of a layer.
 fn source(layer: &Layer, tables: &[Columns], usual: &Usual) -> Option<Block> {
-    if let Layer::Cells { x, y, values } = layer {
-        return tables.iter().find_map(|table| table.map(x, y, values));
-    }
     let points = series_of(layer)?;
     let count =
         |block: &Block| usual.iter().find(|(c, _)| *c == block.columns).map_or(0, |(_, count)| *count);
@@ -134,13 +175,7 @@ fn panel(
     }
     tex.push_str("]\n");
     for layer in &panel.layers {
-        let block = source(layer);
-        match (layer, &page.bar) {
-            (Layer::Cells { x, y, values }, Some(bar)) => {
-                draw_cells(tex, (x, y, values), bar.interval.scale, block);
-            }
-            _ => draw_layer(tex, layer, &placed.frame, block),
-        }
+        draw_layer(tex, layer, &placed.frame, source(layer));
     }
     for layer in page.legend.layers().filter(|_| first) {
         let name = tex_label(label_of(layer).unwrap_or_default())?;
@@ -212,23 +247,29 @@ fn colour_bar(tex: &mut String, placed: &PlacedBar, visible: bool) -> Result<(),
 
 fn draw_layer(tex: &mut String, layer: &Layer, frame: &Frame, block: Option<Block>) {
     let style = style(layer);
+    // Below a line means down to zero, which must lie at the lower edge or outside.
+    let end = match layer {
+        Layer::Shade { side: Side::Below, .. } if frame.y.low >= 0.0 => " \\closedcycle",
+        _ => "",
+    };
+    if let Some(Block { file, columns, rows: (first, last) }) =
+        block.filter(|_| !end.is_empty() || !matches!(layer, Layer::Shade { .. }))
+    {
+        let _ = writeln!(
+            tex,
+            "\\addplot[forget plot, {style}, rows={first} to {last}]\n  \
+             table[col sep=comma, x={}, y={}] {{{file}}}{end};",
+            columns[0], columns[1]
+        );
+        return;
+    }
     let mut plot = |points: &[DataPoint], end: &str| {
         let _ = writeln!(tex, "\\addplot[forget plot, {style}] coordinates {{{}}}{end};", list(points));
     };
     match layer {
-        // A map is drawn with its colour bar.
+        // Placed as an image before the axes.
         Layer::Cells { .. } => (),
-        Layer::Curve { points, .. } | Layer::Markers { points, .. } => match block {
-            Some(Block { file, columns, rows: (first, last) }) => {
-                let _ = writeln!(
-                    tex,
-                    "\\addplot[forget plot, {style}, rows={first} to {last}]\n  \
-                     table[col sep=comma, x={}, y={}] {{{file}}};",
-                    columns[0], columns[1]
-                );
-            }
-            None => plot(points, ""),
-        },
+        Layer::Curve { points, .. } | Layer::Markers { points, .. } => plot(points, ""),
         Layer::Exact { points, .. } => plot(points, ""),
         Layer::Contour { lines, .. } => lines.iter().for_each(|line| plot(line, "")),
         Layer::Rule { at: At::X(x), .. } => plot(&[(*x, frame.y.low), (*x, frame.y.high)], ""),
@@ -241,38 +282,6 @@ fn draw_layer(tex: &mut String, layer: &Layer, frame: &Frame, block: Option<Bloc
                     plot(&[run, &corners].concat(), " -- cycle");
                 }
             }
-        }
-    }
-}
-
-/// A map as coloured cells; their edges take the colour of the cell, which leaves no seams.
-fn draw_cells(
-    tex: &mut String,
-    (x, y, values): (&[f64], &[f64], &[f64]),
-    scale: Scale,
-    block: Option<Block>,
-) {
-    let log = scale == Scale::Log;
-    let common = format!("forget plot, matrix plot*, mesh/cols={}, shader=flat", x.len());
-    match block {
-        Some(Block { file, columns, rows: (first, last) }) => {
-            let _ = writeln!(
-                tex,
-                "\\addplot[{common}, rows={first} to {last}]\n  table[col sep=comma, x={}, y={}, \
-                 meta expr={}(\\thisrow{{{}}})] {{{file}}};",
-                columns[0],
-                columns[1],
-                if log { "log10" } else { "" },
-                columns[2]
-            );
-        }
-        None => {
-            let _ = write!(tex, "\\addplot[{common}, point meta=explicit] coordinates {{");
-            let centres = y.iter().flat_map(|y| x.iter().map(move |x| (x, y)));
-            for ((x, y), value) in centres.zip(values) {
-                let _ = write!(tex, "({x:e},{y:e})[{:e}]", if log { value.log10() } else { *value });
-            }
-            tex.push_str("};\n");
         }
     }
 }

@@ -41,17 +41,6 @@ impl<'a> Columns<'a> {
         found
     }
 
-    /// The block that holds a map: x, y and the value of every cell, row by row.
-    pub(super) fn map(&self, x: &[f64], y: &[f64], values: &[f64]) -> Option<Block> {
-        let across: Vec<f64> = y.iter().flat_map(|_| x.iter().copied()).collect();
-        let up: Vec<f64> = y.iter().flat_map(|value| x.iter().map(move |_| *value)).collect();
-        (0..(self.table.rows.len() + 1).saturating_sub(values.len())).find_map(|start| {
-            let value = self.matching(start, values).next()?;
-            let columns = [self.matching(start, &across).next()?, self.matching(start, &up).next()?, value];
-            Some(self.block(start, values.len(), &columns))
-        })
-    }
-
     /// The columns that hold `wanted` from row `start` on.
     fn matching<'s>(&'s self, start: usize, wanted: &'s [f64]) -> impl Iterator<Item = usize> + 's {
         let same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
