@@ -137,7 +137,7 @@ fn a_map_in_tex_has_its_cells_as_an_image() {
     run(&scratch, &format!("signorini --mass lumped {axes} --format tex --out out --quiet")).succeeded();
     let stem = "out/signorini-lumped";
     assert_eq!(scratch.files(), [format!("{stem}-cells1.png"), format!("{stem}.csv"), format!("{stem}.tex")]);
-    assert!(text(&scratch, "out/signorini-lumped.tex").contains("]{signorini-lumped-cells1};"));
+    assert!(text(&scratch, "out/signorini-lumped.tex").contains("]{signorini-lumped-cells1}};"));
 }
 
 #[test]

@@ -222,13 +222,15 @@ pub fn map(models: &[Vec<StabilityRow>], contours: &[ContourLines]) -> Figure {
     figure
 }
 
-/// The optimal ratio over beta_s, one curve a mass matrix, and the width of its enclosure. Where no ratio costs a step
-/// the curve ends; `None` where none ever does.
+/// The optimal ratio over beta_s, one curve a mass matrix, and the width of its enclosure. Where no ratio costs a step,
+/// or every one does, there is no curve; `None` if that is everywhere.
 pub fn optimal_ratio(models: &[Vec<OptimalRatioRow>], log: bool) -> Option<Figure> {
     let x = || if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
     let (mut values, mut widths, mut found) = (Vec::new(), Vec::new(), Vec::new());
     for (style, rows) in models.iter().enumerate() {
-        let mut rows: Vec<&OptimalRatioRow> = rows.iter().filter(|row| row.optimal_ratio.is_some()).collect();
+        // Where every ratio costs a step, the largest that does not is 0.
+        let some = |row: &&OptimalRatioRow| row.optimal_ratio.is_some_and(|ratio| ratio.0 > 0.0);
+        let mut rows: Vec<&OptimalRatioRow> = rows.iter().filter(some).collect();
         rows.sort_by(|a, b| a.stiffness_penalty.0.total_cmp(&b.stiffness_penalty.0));
         let Some(first) = rows.first() else { continue };
         let name = literal(&first.mass);

@@ -30,14 +30,15 @@ const HEAD: &str = r"% Compile with pdflatex or lualatex, or \input it with \use
   rows/.style args={#1 to #2}{x filter/.code={%
     \ifnum\coordindex<#1\relax\def\pgfmathresult{}\fi\ifnum\coordindex>#2\relax\def\pgfmathresult{}\fi}},
   panel/.style={
-    scale only axis, anchor=south west, tick align=outside, tick pos=left, unbounded coords=jump,
+    scale only axis, anchor=south west, axis on top, tick align=outside, tick pos=left, unbounded coords=jump,
     tick style={black, line width=0.5pt}, major tick length=1mm, minor tick length=0.6mm,
-    tick label style={font=\scriptsize}, label style={font=\footnotesize}, title style={font=\footnotesize},
+    tick label style={font=\scriptsize}, label style={font=\footnotesize, inner sep=1pt},
+    title style={font=\footnotesize, yshift=-1ex},
     legend style={font=\footnotesize, draw=none, anchor=north, legend columns=-1, column sep=1mm},
   },
 }
 \begin{document}
-\begin{tikzpicture}[x=1mm, y=1mm, every node/.append style={font=\footnotesize, inner sep=0.5pt}]
+\begin{tikzpicture}[x=1mm, y=1mm, name/.style={font=\footnotesize, inner sep=0.5pt}]
 ";
 
 /// TeX source and the images it places, by name.
@@ -238,7 +239,7 @@ fn colour_bar(tex: &mut String, placed: &PlacedBar, visible: bool) -> Result<(),
         let (places, names) = major(&placed.ticks, of)?;
         let _ = writeln!(
             tex,
-            "  colorbar, colorbar style={{width=3mm, ylabel={{{}}}, ytick={{{places}}}, yticklabels={{{names}}}}},",
+            "  colorbar, colorbar style={{width=3mm, ytick pos=right, ylabel={{{}}}, ytick={{{places}}}, yticklabels={{{names}}}}},",
             tex_label(&placed.bar.axis.label)?
         );
     }
@@ -342,7 +343,7 @@ fn draw_name(tex: &mut String, page: &Page, scene: &Scene, name: &Name) -> Resul
         let _ = writeln!(
             tex,
             "\\draw[draw={colour}, line width=0.6pt] ({:.2},{up:.2}) -- ({:.2},{down:.2}) \
-             node[right, text={colour}, inner sep=2pt] {{{label}}};",
+             node[name, right=2pt, text={colour}] {{{label}}};",
             from.0, to.0
         );
         return Ok(());
@@ -351,7 +352,7 @@ fn draw_name(tex: &mut String, page: &Page, scene: &Scene, name: &Name) -> Resul
     let paper = if on_map { ", fill=white, fill opacity=0.8, text opacity=1" } else { "" };
     let _ = writeln!(
         tex,
-        "\\node[text={colour}, rotate={:.1}{paper}] at ({:.2},{:.2}) {{{label}}};",
+        "\\node[name, text={colour}, rotate={:.1}{paper}] at ({:.2},{:.2}) {{{label}}};",
         -name.turn,
         name.centre.0,
         page.height - name.centre.1

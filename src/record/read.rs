@@ -33,6 +33,11 @@ const OPTIMAL_RATIO: [&str; 10] = [
     "holds",
 ];
 
+/// What a result may be, in words and as a test.
+type Kind = (&'static str, fn(f64) -> bool);
+const POSITIVE: Kind = ("a positive number, or nothing", |value| value > 0.0);
+const NOT_NEGATIVE: Kind = ("a number of at least 0, or nothing", |value| value >= 0.0);
+
 /// The rows of a file that `stability-map` or `scheme-limits` has written.
 ///
 /// # Errors
@@ -47,10 +52,10 @@ pub fn stability_rows(file: &Path) -> Result<Vec<StabilityRow>> {
             limit: cells.limit()?,
             stiffness_penalty: cells.stiffness_penalty()?,
             ratio: cells.number("ratio", "a number above 0, or inf", |r| r > 0.0)?,
-            omega_max: cells.result("omega_max")?,
-            critical_courant: cells.enclosed("critical_courant")?,
-            lower: cells.result("lower")?,
-            upper: cells.result("upper")?,
+            omega_max: cells.result("omega_max", POSITIVE)?,
+            critical_courant: cells.enclosed("critical_courant", POSITIVE)?,
+            lower: cells.result("lower", POSITIVE)?,
+            upper: cells.result("upper", POSITIVE)?,
             engine: cells.word("engine")?,
         })
     })
@@ -69,9 +74,9 @@ pub fn optimal_ratio_rows(file: &Path) -> Result<Vec<OptimalRatioRow>> {
             elements: cells.elements()?,
             limit: cells.limit()?,
             stiffness_penalty: cells.stiffness_penalty()?,
-            optimal_ratio: cells.enclosed("optimal_ratio")?,
-            lower: cells.result("lower")?,
-            upper: cells.result("upper")?,
+            optimal_ratio: cells.enclosed("optimal_ratio", NOT_NEGATIVE)?,
+            lower: cells.result("lower", NOT_NEGATIVE)?,
+            upper: cells.result("upper", NOT_NEGATIVE)?,
             holds: cells.parsed("holds", "true or false", |word| word.parse().ok())?,
         })
     })
@@ -144,19 +149,18 @@ impl Cells<'_> {
         self.parsed(column, allowed, |text| text.parse().ok().filter(|value| holds(*value)).map(Number))
     }
 
-    /// A positive number, or none where nothing was found.
-    fn result(&self, column: &str) -> Result<Option<Number>, Refusal> {
+    /// A finite number of this kind, or none where nothing was found.
+    fn result(&self, column: &str, (allowed, holds): Kind) -> Result<Option<Number>, Refusal> {
         if self.text(column).is_empty() {
             return Ok(None);
         }
-        self.number(column, "a positive number, or nothing", |value| value > 0.0 && value.is_finite())
-            .map(Some)
+        self.number(column, allowed, |value| holds(value) && value.is_finite()).map(Some)
     }
 
     /// A result that lies between `lower` and `upper`; all three are there or none.
-    fn enclosed(&self, column: &str) -> Result<Option<Number>, Refusal> {
-        let [value, lower, upper] = [self.result(column)?, self.result("lower")?, self.result("upper")?]
-            .map(|n| n.map(|Number(x)| x));
+    fn enclosed(&self, column: &str, kind: Kind) -> Result<Option<Number>, Refusal> {
+        let value = |column| Ok::<_, Refusal>(self.result(column, kind)?.map(|Number(value)| value));
+        let (value, lower, upper) = (value(column)?, value("lower")?, value("upper")?);
         let holds = match (value, lower, upper) {
             (Some(value), Some(lower), Some(upper)) => lower <= value && value <= upper,
             (None, None, None) => true,
