@@ -93,6 +93,7 @@ impl ContactScale {
     }
 
     /// The contact terms for (beta_s, r).
+    #[inline]
     pub fn penalty(&self, beta_s: StiffnessPenalty, ratio: Ratio, form: PenaltyMass) -> Penalty {
         let stiffness = beta_s.get() * self.stiffness;
         let mass = stiffness / (ratio.get() * self.element_eigenvalue);

@@ -213,3 +213,39 @@ fn a_scene_without_contact_ignores_the_penalties() {
         .to_vec();
     assert!(steps.iter().all(|other| *other == steps[0]), "{steps:?}");
 }
+
+/// The closed form's own value, which maps are drawn from, against bisection on the pivots of the pencil as stored:
+/// both sides of every switch between its formulas, from 1 element to where the bar is long (beyond, only v_1 shrinks).
+#[test]
+fn the_uncertified_value_is_exact_to_rounding() {
+    for elements in (1..=12).chain([20, 95, 96, 100, 400]) {
+        for mass in [0.0, 0.3, 0.5, 1.0].map(|gamma| MassMatrix::new(gamma).unwrap()) {
+            let scene = Scene::new(
+                "wall",
+                End::Free,
+                vec![bar(elements as f64, elements, 1.0, 1.0, 1.0)],
+                End::Wall,
+                None,
+            )
+            .unwrap();
+            let model = Model::new(scene, mass, PenaltyMass::Consistent);
+            let pencil = model.pencil();
+            let (engine, sturm) = (model.engine(EngineName::ClosedForm, None), Sturm::new(&pencil));
+            for beta_s in [1e-9, 1e-3, 0.1, 1.0, 3.0, 10.0, 1e3, 1e12] {
+                for ratio in [1e-3, 0.1, 0.5, 0.8, 0.97, 0.999, 1.0, 1.001, 1.5, 10.0, 1e6] {
+                    let penalties = penalties(&model, beta_s, ratio);
+                    let exact = sturm.enclose(&penalties, None).unwrap();
+                    let value = engine.estimate(&penalties, None);
+                    // The accuracy promised of every reference row; the pencil is stored with 4 roundings an entry.
+                    let allowed =
+                        4e-15 * value + entry_rounding(&model, &penalties, 4.0, value) * 2.0 * value;
+                    let miss = (exact.lower - value).max(value - exact.upper);
+                    assert!(
+                        miss <= allowed,
+                        "n = {elements}, {mass:?}, beta_s {beta_s}, r {ratio}: {miss:e}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -18,6 +18,7 @@ pub use dense::{Dense, MAX_DENSE_NODES};
 pub use flexibility::Flexibility;
 pub use root::{bisect, find_sign_change};
 pub use secular::Secular;
+pub(crate) use secular::chebyshev;
 pub use sturm::Sturm;
 
 use crate::pencil::{Penalty, Pencil};

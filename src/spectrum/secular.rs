@@ -207,9 +207,8 @@ impl Rows<'_> {
     }
 }
 
-/// Chebyshev coefficients of the interpolant of f at the zeros of T_(DEGREE+1), the first one halved.
-fn chebyshev(f: impl Fn(f64) -> f64) -> [f64; DEGREE + 1] {
-    const N: usize = DEGREE + 1;
+/// Chebyshev coefficients of the interpolant of f at the zeros of T_N, the first one halved.
+pub(crate) fn chebyshev<const N: usize>(f: impl Fn(f64) -> f64) -> [f64; N] {
     let angle = |j: usize| std::f64::consts::PI * (j as f64 + 0.5) / N as f64;
     let values: [f64; N] = std::array::from_fn(|j| f(angle(j).cos()));
     std::array::from_fn(|k| {

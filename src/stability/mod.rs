@@ -1,5 +1,6 @@
 //! From eigenvalues to time steps: the critical step, grids of penalties, maps, contour lines, the optimal ratio.
 
+mod band;
 mod closed_form;
 mod contour;
 mod grid;

@@ -139,9 +139,14 @@ impl Model {
     }
 
     /// As [`Model::penalties`] into a buffer: a map needs them at every point.
+    #[inline]
     pub fn set_penalties(&self, penalties: &mut Vec<Penalty>, beta_s: StiffnessPenalty, ratio: Ratio) {
-        penalties.clear();
-        penalties.extend(self.scales.iter().map(|scale| scale.penalty(beta_s, ratio, self.form)));
+        if penalties.len() != self.scales.len() {
+            penalties.resize(self.scales.len(), Penalty::default());
+        }
+        for (penalty, scale) in penalties.iter_mut().zip(&self.scales) {
+            *penalty = scale.penalty(beta_s, ratio, self.form);
+        }
     }
 
     /// Refuses penalties that f64 cannot hold.

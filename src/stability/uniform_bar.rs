@@ -10,6 +10,7 @@
 //! So stiffness a (in units of EA/h) at the left end becomes o^2/(q - a) - q at the right end, with o^2 from its own
 //! formula: q^2 - w would lose it on a long bar, and with it the gap between two contact modes.
 
+use super::band::{Band, fall_at};
 use crate::fem::MassMatrix;
 use crate::scene::Bar;
 use crate::spectrum::Segment;
@@ -43,8 +44,6 @@ pub struct UniformBar {
     reach: f64,
     /// sqrt(L) = sqrt(w/y) near y = 0.
     speed: f64,
-    /// -y at n phi = pi/2, where the bar with one end held resonates.
-    held_fall: f64,
     /// rho h A, kg.
     pub(super) element_mass: f64,
     pub(super) left_fixed: bool,
@@ -74,7 +73,6 @@ impl UniformBar {
             saturated_rise,
             reach: 2.0 * elements / (1.0 + slope).sqrt(),
             speed: factor.sqrt(),
-            held_fall: fall_at(std::f64::consts::FRAC_PI_2 / elements, slope),
             element_mass: bar.element_mass(),
             left_fixed,
             right_fixed,
@@ -125,6 +123,11 @@ impl UniformBar {
         }
     }
 
+    /// T of the bar inside its band, compressed; `None` for the shortest bars.
+    pub(super) fn band(&self) -> Option<Band> {
+        Band::new(self.elements, self.factor, self.slope)
+    }
+
     /// l_max of the bar alone, rad^2/s^2: omega_e^2 with two free ends; with fixed ends the n theta = i phi at which
     /// its last pivot vanishes, pi/2 (one) or pi (both).
     pub fn top_eigenvalue(&self) -> f64 {
@@ -137,12 +140,6 @@ impl UniformBar {
         let (diagonal, off) = mass.entries();
         diagonal / ((diagonal - off) * (diagonal + off)) / self.element_mass
     }
-}
-
-/// v = -y at phi: sin^2(phi/2) = v/(1 + slope (1 - v)) solved for v.
-fn fall_at(phi: f64, slope: f64) -> f64 {
-    let sin2 = (0.5 * phi).sin().powi(2);
-    sin2 * (1.0 + slope) / (1.0 + slope * sin2)
 }
 
 /// The ends of a bar at one l, everything between eliminated.
@@ -212,10 +209,10 @@ impl UniformBar {
     /// With p = b - b_mass the equation is T = p - b_mass y. Where tanh(n theta) = 1 in f64 it is the quadratic
     /// L x y = (p - b_mass y)^2, whose root is formed without cancellation.
     #[inline]
-    pub(super) fn relative_rise(&self, b: f64, b_mass: f64) -> Option<f64> {
+    pub(super) fn relative_rise(&self, band: Option<&Band>, b: f64, b_mass: f64) -> Option<f64> {
         let p = b - b_mass;
         if p <= 0.0 {
-            return if p == 0.0 { Some(0.0) } else { self.in_band(-p, b_mass) };
+            return if p == 0.0 { Some(0.0) } else { Some(-band?.root(-p, b_mass)?) };
         }
         let l = self.factor / p;
         let y = 2.0 * p / (2.0 * b_mass + l + (l * (l + 4.0 * b)).sqrt());
@@ -224,9 +221,9 @@ impl UniformBar {
 
     /// The same for the few elements or small p that need T = sqrt(w) tanh(n theta), from the root for tanh = 1.
     ///
-    /// Newton's method in y, in which T is concave. The guess takes x = 1, n theta = z = reach sqrt(y), and inverts
-    /// t = z tanh z by z^2 = t^2 + t g(t), where g falls from 1 to 0; the rational g is within 0.05, so that z^2 is
-    /// within 2 %.
+    /// Halley's method in y. The guess takes x = 1, n theta = z = reach sqrt(y), and inverts t = z tanh z by
+    /// z^2 = t^2 + t g(t), where g falls from 1 to 0; the rational g is within 0.05, so that z^2 is within 2 %.
+    /// An error e of theta, from the 1 in the logarithm, moves y by e sqrt(y).
     fn above_band(&self, p: f64, b_mass: f64, saturated: f64) -> Option<f64> {
         let root = saturated.sqrt();
         let t = self.reach * root;
@@ -239,90 +236,31 @@ impl UniformBar {
             }
             let x = 1.0 + y;
             let d = 1.0 + self.slope * x;
-            if !(self.factor * x * y).is_finite() {
+            let w = self.factor * x * y;
+            if !w.is_finite() {
                 return None;
             }
-            // sinh(theta) = 2 half/d and e^theta - 1 = 2 (y + half)/d.
+            // e^theta = 1 + 2 (y + half)/d and sinh(theta) = 2 half/d.
             let half = (y * (d + y)).sqrt();
-            let theta = (2.0 * (y + half) / d).ln_1p();
-            // tanh z and 1/cosh^2 z from one e^(-2z) - 1.
-            let decay = (-2.0 * self.elements * theta).exp_m1();
-            let part = 1.0 / (2.0 + decay);
-            let root = (self.factor * x * y).sqrt();
-            let t = -root * decay * part;
-            let t_slope = t * (0.5 + y) / (x * y)
-                + root * (4.0 * (1.0 + decay) * part * part) * self.elements * (1.0 + self.slope)
-                    / (d * half);
-            let step = (p - b_mass * y - t) / (t_slope + b_mass);
+            let z = self.elements * (1.0 + 2.0 * (y + half) / d).ln();
+            let decay = (-2.0 * z).exp();
+            let part = 1.0 / (1.0 + decay);
+            let (tanh, sech2) = ((1.0 - decay) * part, 4.0 * decay * part * part);
+            let root = w.sqrt();
+            let t = root * tanh;
+            let t_slope =
+                t * (0.5 + y) / (x * y) + root * sech2 * self.elements * (1.0 + self.slope) / (d * half);
+            // T'' as for a long bar, where z grows like sqrt(y).
+            let bend = (z * sech2 * (1.0 - 2.0 * z * tanh) - tanh) * root / (4.0 * y * y);
+            let (value, slope) = (p - b_mass * y - t, t_slope + b_mass);
+            let step = value * slope / (slope * slope + 0.5 * value * bend);
             y += step;
-            // T bends little more than sqrt(y): the next step would be less than step^2/(3y).
-            if step * step <= 0.5 * f64::EPSILON * y * x || step.abs() <= NOTHING * x {
+            // T bends little more than sqrt(y): the next step would be less than step^2/(3y) of Newton's method times
+            // what Halley's leaves of it, step/(4y) and the error of T'', which is relative to T'' less than y.
+            if step * step * (step.abs() / y + y) <= 0.5 * f64::EPSILON * y * x || step.abs() <= NOTHING * x {
                 return Some(y);
             }
         }
         None
-    }
-
-    /// The same inside the band, where p = -`depth` < 0: v = -y solves c = s tan z, c = depth - b_mass v,
-    /// s = sqrt(L x v), n phi = z.
-    ///
-    /// Newton's method in z on c cos z - s sin z, which has no pole. The guess takes s tan z = speed reach
-    /// v (1 - a v)/(1 - v/v_1), with the pole v_1 of tan z and, to a relative v, its residue there, within 0.35 % for
-    /// a long bar: a quadratic in v. All forces are divided by depth, which may be near f64::MAX.
-    fn in_band(&self, depth: f64, b_mass: f64) -> Option<f64> {
-        use std::f64::consts::{FRAC_PI_2, PI};
-        let (force, inertia) = (self.speed / depth, b_mass / depth);
-        let (small, pole) = (force * self.reach, 1.0 / self.held_fall);
-        let g = small + inertia;
-        let gap = ((g - pole) * (g - pole) + 32.0 / (PI * PI) * pole * small).sqrt();
-        let guess = 2.0 / (g + pole + gap);
-        if guess <= NOTHING {
-            return Some(-guess);
-        }
-        // Newton's error is step^2 over the relative distance of the next root, the one beyond the pole.
-        let distance = (gap / pole).min(1.0);
-        if distance < 1e-3 {
-            return None;
-        }
-        // z^2 = 4 n^2 asin^2(sin(phi/2)), by its series.
-        let sin2 = guess / (1.0 + self.slope * (1.0 - guess));
-        let mut z = 2.0 * self.elements * (sin2 * (1.0 + sin2 * (1.0 / 3.0 + 8.0 / 45.0 * sin2))).sqrt();
-        let settled = distance * f64::EPSILON / 16.0 * self.reach * self.reach;
-        for _ in 0..40 {
-            let (v, v_slope) = self.fall(z);
-            let x = 1.0 - v;
-            let (c, s) = (1.0 - inertia * v, force * (x * v).sqrt());
-            let (sin, cos) = z.sin_cos();
-            let s_slope = s * (0.5 - v) * v_slope / (x * v);
-            let slope = (inertia * v_slope + s) * cos + (c + s_slope) * sin;
-            let step = (c * cos - s * sin) / slope;
-            z += step;
-            // The next step would be about step^2/distance, and move v by 2 z/reach^2 times that.
-            if step * step <= settled {
-                let v = v + v_slope * step;
-                // The other roots have z > pi/2 or c < 0.
-                let first = z <= FRAC_PI_2 * (1.0 + f64::EPSILON) && inertia * v <= 1.0 + 4.0 * f64::EPSILON;
-                return first.then_some(-v);
-            }
-        }
-        None
-    }
-
-    /// v = -y at n phi = z, and its derivative by z.
-    #[inline]
-    fn fall(&self, z: f64) -> (f64, f64) {
-        let phi = z / self.elements;
-        let square = phi * phi;
-        // sin^2(phi/2) = (1 - cos phi)/2; the series leaves out phi^10/2.4e8, relative.
-        let sin2 = match square < 0.03 {
-            true => {
-                let tail = 1.0 / 360.0 - square * (1.0 / 20160.0 - square / 1_814_400.0);
-                0.25 * square * (1.0 - square * (1.0 / 12.0 - square * tail))
-            }
-            false => (0.5 * phi).sin().powi(2),
-        };
-        let part = 1.0 / (1.0 + self.slope * sin2);
-        let scale = (1.0 + self.slope) * part;
-        (sin2 * scale, (sin2 * (1.0 - sin2)).sqrt() / self.elements * scale * part)
     }
 }
