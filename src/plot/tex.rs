@@ -149,9 +149,9 @@ fn panel(
     let (placed, rect) = (&scene.placed, scene.placed.frame.rect);
     let panel = placed.panel;
     // Writing to a String cannot fail, here and below.
-    let _ = write!(
+    let _ = writeln!(
         tex,
-        "\\begin{{axis}}[panel, at={{({:.2}mm,{:.2}mm)}}, width={:.2}mm, height={:.2}mm,\n",
+        "\\begin{{axis}}[panel, at={{({:.2}mm,{:.2}mm)}}, width={:.2}mm, height={:.2}mm,",
         rect.left,
         page.height - rect.bottom,
         rect.width(),
@@ -305,7 +305,7 @@ fn style(layer: &Layer) -> String {
             let mark = match shape {
                 Shape::Circle => "*",
                 Shape::Polygon { corners: 3, .. } => "triangle*",
-                Shape::Polygon { turn, .. } if turn == 0.0 => "diamond*",
+                Shape::Polygon { turn: 0.0, .. } => "diamond*",
                 Shape::Polygon { .. } => "square*",
             };
             let inside = if filled { colour.clone() } else { "white".to_owned() };
