@@ -227,7 +227,7 @@ pub struct OutputOptions {
     /// Directory for the files [default: figures/<tool>]
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
-    /// What to write: svg, png, pdf, tex, csv, json, record
+    /// What to write: svg, png, pdf, csv, json, tex, record
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "svg,png,csv,record")]
     pub format: Vec<Format>,
     /// Printed width of the figures: single (a column, 90 mm) or double (a page, 190 mm) [default: by panels]
@@ -274,12 +274,12 @@ pub enum Format {
     Png,
     /// Vector figure with embedded fonts
     Pdf,
-    /// Source for pgfplots, with the records as csv that it reads
-    Tex,
     /// Records
     Csv,
     /// Records with their provenance
     Json,
+    /// Source for pgfplots, with the records as csv that it reads
+    Tex,
     /// Command, revision, scene, engine, time and checks of each figure, as <figure>.record.json
     Record,
 }
