@@ -38,9 +38,9 @@ struct Options {
 }
 
 const EXAMPLES: &str = "Examples:
-  optimal-ratio                                     the built-in scenes, into figures/optimal-ratio/
-  optimal-ratio my-bars.toml --beta-s 1e4           which r is free of cost for my bars, and which bar governs
-  optimal-ratio hunek --limit predictor-corrector   which r is free of cost for that scheme
+  optimal-ratio                                     the built-in scenes
+  optimal-ratio my-bars.toml --beta-s 1e4           which r costs my bars nothing
+  optimal-ratio hunek --limit predictor-corrector   which r costs that scheme nothing
   optimal-ratio signorini --mass lumped --beta-s log:1:1e16:17 --stdout csv";
 
 /// What was found for one model.

@@ -447,8 +447,12 @@ fn shared(tool: &str, option: &str, sample: &str, scratch: &Scratch, shown: &BTr
         }
         "--help" => {
             let help = go("--help").succeeded();
-            for word in [&format!("Usage: {tool}"), "Examples:", &format!("\n  {tool}")] {
-                assert!(help.contains(word), "{place}: no {word:?}");
+            assert!(help.contains(&format!("Usage: {tool}")), "{place}: {help}");
+            let (_, examples) =
+                help.split_once("Examples:\n").unwrap_or_else(|| panic!("{place}: no examples"));
+            for line in examples.lines().filter(|line| !line.is_empty()) {
+                // What is longer than 100 characters is broken, and can't be copied.
+                assert!(line.starts_with(&format!("  {tool}")), "{place}: a broken example: {line:?}");
             }
         }
         "--version" => {
