@@ -41,8 +41,8 @@ struct Options {
 }
 
 const EXAMPLES: &str = "Examples:
-  verify-limits                                   the points of Fig. 3, into figures/verify-limits/
-  verify-limits signorini --mass lumped --beta-s log:1e-3:1e12:20 --ratio log:0.1:1e3:20 --tolerance 1e-4
+  verify-limits                                   the points of Fig. 3
+  verify-limits signorini --mass 1 --beta-s log:1e-3:1e12:20 --ratio log:.1:1e3:20 --tolerance 1e-4
   verify-limits my-bars.toml --beta-s 10 --stdout csv";
 
 /// One figure: models side by side, with one scheme.
