@@ -10,14 +10,15 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use bipenalty::cli::{
-    Output, OutputOptions, Peers, Progress, Verdict, finish, machine, print_table, restarted_with_one_blas_thread,
+    Output, OutputOptions, Peers, Progress, Verdict, finish, machine, print_table,
+    restarted_with_one_blas_thread,
 };
 use bipenalty::error::Result;
 use bipenalty::fem::MassMatrix;
 use bipenalty::plot::precision_charts;
 use bipenalty::precision::{
-    Clock, EIGENPROBLEMS, ExactEigenvalues, Impactproblem, Measurement, Method, SCENES, SIZES, Status, mark_front,
-    markdown, measure_eigenvalues, measure_impacts,
+    Clock, EIGENPROBLEMS, ExactEigenvalues, Impactproblem, Measurement, Method, SCENES, SIZES, Status,
+    mark_front, markdown, measure_eigenvalues, measure_impacts,
 };
 use bipenalty::record::WorkRow;
 use bipenalty::schemes::Scheme;
@@ -185,7 +186,12 @@ fn explain(plan: &Plan, impacts: usize, peers: bool) -> String {
 fn summarise(measurements: &[Measurement]) {
     let mut methods: Vec<&str> = measurements.iter().map(|m| m.method.as_str()).collect();
     let mut seen = Vec::new();
-    methods.retain(|method| !seen.contains(method) && { seen.push(*method); true });
+    methods.retain(|method| {
+        !seen.contains(method) && {
+            seen.push(*method);
+            true
+        }
+    });
     let header = ["method", "measured", "on a front", "largest |error|", "failed", "timed out", "WRONG"];
     let line = |method: &&str| {
         let of: Vec<&Measurement> = measurements.iter().filter(|m| m.method == *method).collect();

@@ -24,12 +24,36 @@ use tool::Scratch;
 
 /// Numbers as TOML and as options may hold them, sensible and not.
 fn any_number() -> impl Strategy<Value = String> {
-    let odd = [
-        "0", "-0.0", "1", "-1", "0.5", "1e-300", "1e300", "1e308", "5e-324", "inf", "-inf", "nan", "NaN", "1e999", "1_0", "0x10",
-        "100000000", "100000001", "9223372036854775807", "-9223372036854775808", "1e", "1.", "+3", "1979-05-27", "", "true",
+    const ODD: &[&str] = &[
+        "0",
+        "-0.0",
+        "1",
+        "-1",
+        "0.5",
+        "1e-300",
+        "1e300",
+        "1e308",
+        "5e-324",
+        "inf",
+        "-inf",
+        "nan",
+        "NaN",
+        "1e999",
+        "1_0",
+        "0x10",
+        "100000000",
+        "100000001",
+        "9223372036854775807",
+        "-9223372036854775808",
+        "1e",
+        "1.",
+        "+3",
+        "1979-05-27",
+        "",
+        "true",
     ];
     prop_oneof![
-        proptest::sample::select(&odd[..]).prop_map(str::to_owned),
+        proptest::sample::select(ODD).prop_map(str::to_owned),
         any::<f64>().prop_map(|x| x.to_string()),
         (-320.0..320.0).prop_map(|x: f64| format!("1e{x:.0}")),
         any::<i64>().prop_map(|i| i.to_string()),
@@ -52,9 +76,9 @@ enum Change {
 }
 
 fn any_change() -> impl Strategy<Value = Change> {
-    let keys = [
-        "name", "length", "elements", "density", "area", "velocity", "gaps", "gravity", "duration", "left", "colour", "", "\"\"",
-        "a.b", "é",
+    const KEYS: &[&str] = &[
+        "name", "length", "elements", "density", "area", "velocity", "gaps", "gravity", "duration", "left",
+        "colour", "", "\"\"", "a.b", "é",
     ];
     let values = || {
         prop_oneof![
@@ -65,17 +89,29 @@ fn any_change() -> impl Strategy<Value = Change> {
                 .prop_map(str::to_owned),
         ]
     };
-    let lines = [
-        "[impact]", "[[bar]]", "[bar]", "[ends]", "[[impact]]", "gaps = [0.0, 0.0]", "gravity = 1e300", "left = \"wall\"", "]",
-        "\u{feff}", "=", "\"", "bar = []", "impact = 3",
+    const LINES: &[&str] = &[
+        "[impact]",
+        "[[bar]]",
+        "[bar]",
+        "[ends]",
+        "[[impact]]",
+        "gaps = [0.0, 0.0]",
+        "gravity = 1e300",
+        "left = \"wall\"",
+        "]",
+        "\u{feff}",
+        "=",
+        "\"",
+        "bar = []",
+        "impact = 3",
     ];
     let at = || 0..40_usize;
     prop_oneof![
         6 => (at(), values()).prop_map(|(i, value)| Change::Value(i, value)),
-        1 => (at(), proptest::sample::select(&keys[..])).prop_map(|(i, key)| Change::Key(i, key.to_owned())),
+        1 => (at(), proptest::sample::select(KEYS)).prop_map(|(i, key)| Change::Key(i, key.to_owned())),
         1 => at().prop_map(Change::Remove),
         1 => at().prop_map(Change::Repeat),
-        2 => (at(), proptest::sample::select(&lines[..])).prop_map(|(i, line)| Change::Insert(i, line.to_owned())),
+        2 => (at(), proptest::sample::select(LINES)).prop_map(|(i, line)| Change::Insert(i, line.to_owned())),
         1 => (at(), "\\PC{0,20}").prop_map(|(i, line)| Change::Insert(i, line)),
         1 => (0..600_usize).prop_map(Change::Cut),
     ]
@@ -110,8 +146,8 @@ fn changed(text: &str, changes: &[Change]) -> String {
 }
 
 /// The message names the file and a line that it has.
-fn check_message(message: &str, text: &str) -> Result<(), TestCaseError> {
-    let line = message.strip_prefix("scene.toml, line ").and_then(|rest| {
+fn check_message(message: &str, path: &str, text: &str) -> Result<(), TestCaseError> {
+    let line = message.strip_prefix(path).and_then(|rest| rest.strip_prefix(", line ")).and_then(|rest| {
         let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
         digits.parse::<usize>().ok()
     });
@@ -139,13 +175,13 @@ fn check_scene(scene: Scene) -> Result<(), TestCaseError> {
 #[test]
 fn any_scene_file_is_read_or_refused_with_its_line() {
     let scratch = Scratch::new("fuzz-scene");
-    std::env::set_current_dir(scratch.path()).unwrap();
+    let path = scratch.path().join("scene.toml").to_str().unwrap().to_owned();
     let strategy = (0..BUILT_IN.len(), proptest::collection::vec(any_change(), 0..4));
     let (read, refused) = (Cell::new(0), Cell::new(0));
     let outcome = TestRunner::new(config(2000)).run(&strategy, |(i, changes)| {
         let text = changed(BUILT_IN[i].1, &changes);
         scratch.write("scene.toml", &text);
-        let loaded = load("scene.toml");
+        let loaded = load(&path);
         refused.set(refused.get() + usize::from(loaded.is_err()));
         match loaded {
             Ok(scene) => {
@@ -154,9 +190,9 @@ fn any_scene_file_is_read_or_refused_with_its_line() {
             }
             Err(Error::Refused(refusal)) => {
                 prop_assert!(!refusal.value.is_empty() && !refusal.allowed.is_empty(), "{refusal}");
-                check_message(&refusal.to_string(), &text)
+                check_message(&refusal.to_string(), &path, &text)
             }
-            Err(error @ Error::SceneFile { .. }) => check_message(&error.to_string(), &text),
+            Err(error @ Error::SceneFile { .. }) => check_message(&error.to_string(), &path, &text),
             Err(other) => Err(TestCaseError::fail(format!("{other}\nof\n{text}"))),
         }
     });
@@ -168,12 +204,19 @@ fn any_scene_file_is_read_or_refused_with_its_line() {
 /// Range specifications of up to five parts. Counts stay below 1e5 or are refused: more would only take memory.
 fn any_range() -> impl Strategy<Value = String> {
     let kind = proptest::sample::select(&["lin", "log", "", "LIN", "cube"][..]);
-    let count = prop_oneof![(0..2000_i64).prop_map(|n| n.to_string()), Just("1e3".to_owned()), Just("1e12".to_owned()), Just("2.5".to_owned())];
-    let range = (kind, any_number(), any_number(), count).prop_map(|(kind, a, b, n)| format!("{kind}:{a}:{b}:{n}"));
-    let ordered = (any::<bool>(), -300.0..300.0, 0.0..300.0_f64, 2..500_usize).prop_map(|(log, low, more, n)| {
-        let high = f64::min(low + more + 0.01, 308.0);
-        format!("{}:1e{low:.0}:1e{:.0}:{n}", if log { "log" } else { "lin" }, high.max(low + 1.0))
-    });
+    let count = prop_oneof![
+        (0..2000_i64).prop_map(|n| n.to_string()),
+        Just("1e3".to_owned()),
+        Just("1e12".to_owned()),
+        Just("2.5".to_owned())
+    ];
+    let range =
+        (kind, any_number(), any_number(), count).prop_map(|(kind, a, b, n)| format!("{kind}:{a}:{b}:{n}"));
+    let ordered =
+        (any::<bool>(), -300.0..300.0, 0.0..300.0_f64, 2..500_usize).prop_map(|(log, low, more, n)| {
+            let high = f64::min(low + more + 0.01, 308.0);
+            format!("{}:1e{low:.0}:1e{:.0}:{n}", if log { "log" } else { "lin" }, high.max(low + 1.0))
+        });
     let list = proptest::collection::vec(any_number(), 0..5).prop_map(|list| list.join(","));
     prop_oneof![3 => range, 3 => ordered, 3 => list, 1 => "\\PC{0,20}"]
 }
@@ -191,7 +234,10 @@ fn any_range_is_an_axis_or_refused() {
                     }
                 }
                 Err(refusal) => {
-                    prop_assert!(!refusal.allowed.is_empty() && !refusal.place.is_empty(), "{text}: {refusal}");
+                    prop_assert!(
+                        !refusal.allowed.is_empty() && !refusal.place.is_empty(),
+                        "{text}: {refusal}"
+                    );
                 }
             }
             Ok(())
@@ -238,14 +284,23 @@ struct CommandLine {
 }
 
 fn any_command_line() -> impl Strategy<Value = CommandLine> {
-    let option = (0..OPTIONS.len(), any::<proptest::sample::Index>(), any::<bool>()).prop_map(|(i, value, joined)| {
-        let (name, values) = OPTIONS[i];
-        let value = values[value.index(values.len())];
-        if joined { vec![format!("{name}={value}")] } else { vec![name.to_owned(), value.to_owned()] }
-    });
-    let garbage = prop_oneof!["\\PC{0,8}", any_number(), Just("--quiet".to_owned()), Just("--explain".to_owned()), Just("--".to_owned())];
+    let option =
+        (0..OPTIONS.len(), any::<proptest::sample::Index>(), any::<bool>()).prop_map(|(i, value, joined)| {
+            let (name, values) = OPTIONS[i];
+            let value = values[value.index(values.len())];
+            if joined { vec![format!("{name}={value}")] } else { vec![name.to_owned(), value.to_owned()] }
+        });
+    let garbage = prop_oneof![
+        "\\PC{0,8}",
+        any_number(),
+        Just("--quiet".to_owned()),
+        Just("--explain".to_owned()),
+        Just("--".to_owned())
+    ];
     let option = prop_oneof![9 => option, 1 => garbage.prop_map(|word| vec![word])];
-    let scene = proptest::sample::select(&["signorini", "symmetric", "hunek", "bouncing-bar", "missing.toml", "bars.toml"][..]);
+    let scene = proptest::sample::select(
+        &["signorini", "symmetric", "hunek", "bouncing-bar", "missing.toml", "bars.toml"][..],
+    );
     let options = proptest::collection::vec(option, 0..5);
     (0..TOOLS.len(), proptest::option::weighted(0.9, scene), options).prop_map(|(tool, scene, options)| {
         let mut words: Vec<String> = TOOLS[tool].1.iter().map(|word| (*word).to_owned()).collect();

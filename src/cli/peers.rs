@@ -151,7 +151,9 @@ mod tests {
 
     #[test]
     fn rows_are_read_and_half_a_line_is_none() {
-        let text = format!("{HEADER}stepping,p,numpy,25,0.5,1e-3,150,done\neigenvalue,q,scipy,9,,,,failed: no\nstep");
+        let text = format!(
+            "{HEADER}stepping,p,numpy,25,0.5,1e-3,150,done\neigenvalue,q,scipy,9,,,,failed: no\nstep"
+        );
         let rows = parse(&text).unwrap();
         assert_eq!(rows.len(), 2);
         assert_eq!((rows[0].error, rows[0].evaluations), (Some(0.5), Some(150)));

@@ -37,7 +37,7 @@ fn kind(method: &str) -> (&'static str, usize) {
 /// |error| of the critical step over time at one size, one panel a problem.
 pub fn eigenvalue_errors(rows: &[WorkRow], size: usize) -> Figure {
     let rows: Vec<&WorkRow> =
-        rows.iter().filter(|row| row.family == "eigenvalue" && row.size == size).collect();
+        measured(rows, "eigenvalue").into_iter().filter(|row| row.size == size).collect();
     let panel = |problem: &String| {
         let of: Vec<&WorkRow> = rows.iter().filter(|row| row.problem == *problem).copied().collect();
         let mut layers = vec![front(&of)];
@@ -49,7 +49,7 @@ pub fn eigenvalue_errors(rows: &[WorkRow], size: usize) -> Figure {
 
 /// Time over size, one line a method, one panel a problem.
 pub fn eigenvalue_times(rows: &[WorkRow]) -> Figure {
-    let rows: Vec<&WorkRow> = rows.iter().filter(|row| row.family == "eigenvalue").collect();
+    let rows = measured(rows, "eigenvalue");
     let panel = |problem: &String| {
         let of = || rows.iter().filter(|row| row.problem == *problem);
         let mut methods: Vec<&str> = of().map(|row| row.method.as_str()).collect();
@@ -72,7 +72,7 @@ pub fn eigenvalue_times(rows: &[WorkRow]) -> Figure {
 pub fn impact_errors(rows: &[WorkRow], scene: &str) -> Figure {
     let prefix = format!("{scene}-");
     let rows: Vec<&WorkRow> =
-        rows.iter().filter(|row| row.family == "stepping" && row.problem.starts_with(&prefix)).collect();
+        measured(rows, "stepping").into_iter().filter(|row| row.problem.starts_with(&prefix)).collect();
     let panel = |problem: &String| {
         let of: Vec<&WorkRow> = rows.iter().filter(|row| row.problem == *problem).copied().collect();
         let mut methods: Vec<&str> = of.iter().map(|row| row.method.as_str()).collect();
@@ -89,10 +89,15 @@ pub fn impact_errors(rows: &[WorkRow], scene: &str) -> Figure {
     figure(problems(&rows).iter().map(panel).collect(), 3)
 }
 
+/// What can be drawn of a family.
+fn measured<'a>(rows: &'a [WorkRow], family: &str) -> Vec<&'a WorkRow> {
+    rows.iter().filter(|row| row.family == family && row.point().is_some()).collect()
+}
+
 fn problems(rows: &[&WorkRow]) -> Vec<String> {
     let mut problems: Vec<String> = Vec::new();
     for row in rows {
-        if row.point().is_some() && !problems.contains(&row.problem) {
+        if !problems.contains(&row.problem) {
             problems.push(row.problem.clone());
         }
     }

@@ -40,13 +40,7 @@ fn measure_eigenvalue(
     forecast: &mut Forecast,
 ) -> Measurement {
     let blank = |status| {
-        Measurement::without_value(
-            Family::Eigenvalue,
-            problem.name,
-            &method.name(),
-            problem.elements,
-            status,
-        )
+        Measurement::without_value(Family::Eigenvalue, problem.name, &method.name(), problem.elements, status)
     };
     let expected = forecast.seconds(problem.elements);
     if expected > clock.limit {

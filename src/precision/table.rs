@@ -13,7 +13,9 @@ pub fn markdown(measurements: &[Measurement], machine: &str) -> String {
     let size = sizes().filter(|size| *size <= SIZE).max().or_else(|| sizes().max()).unwrap_or(SIZE);
     let mut text = format!("Times on {machine}.\n");
     let eigenvalues: Vec<&Measurement> = of(Family::Eigenvalue).filter(|m| m.size == size).collect();
-    text += &format!("\nLargest eigenvalue of {size} elements: time and error of the critical step, > 0 unsafe; **front** in bold.\n\n");
+    text += &format!(
+        "\nLargest eigenvalue of {size} elements: time and error of the critical step, > 0 unsafe; **front** in bold.\n\n"
+    );
     text += &pivot(&eigenvalues, "method", |m| m.method.clone(), |m| m.problem.clone());
     text += "\nOn the Pareto front of the impacts, lumped mass (elements of the first bar: time, error).\n\n";
     let front: Vec<&Measurement> =
