@@ -371,3 +371,16 @@ fn any_command_line_ends_with_a_status_that_is_promised() {
     let [done, _, refused] = *seen.borrow();
     assert!(done > 20 && refused > 20, "{done} done, {refused} refused");
 }
+
+/// Found by the search: runs without contact have no penetration to draw.
+#[test]
+fn runs_without_penetration_are_no_error() {
+    let scratch = Scratch::new("fuzz-found");
+    let contact_impact = TOOLS.iter().position(|(tool, _)| tool.ends_with("contact-impact")).unwrap();
+    for arguments in ["--duration 0.001", "--beta-s 1e4 --ratio inf --scheme predictor-corrector"] {
+        let words = format!("signorini --mass lumped {arguments}");
+        let words = words.split(' ').map(str::to_owned).collect();
+        let (status, _, stderr) = run(&scratch, &CommandLine { tool: contact_impact, words });
+        assert!(matches!(status, Some(0 | 1)), "{arguments}: {status:?} {stderr}");
+    }
+}

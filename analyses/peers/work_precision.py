@@ -229,7 +229,7 @@ def impact_errors(n, courant, scheme, late):
     """rms errors of force, stress and gap in the units of work-precision; `late`: the force belongs to the step that begins."""
     bar = Bar(n, courant)
     x = (np.arange(n) + 0.5) * bar.h
-    wanted = [round(DURATION * k / 16 / bar.dt) for k in range(1, 17)]
+    wanted = [round(DURATION * k / 10 / bar.dt) for k in range(1, 11)]
     force_errors, gap_errors, stress_errors = [], [], []
     for step, force in enumerate(getattr(bar, scheme)()):
         t = step * bar.dt

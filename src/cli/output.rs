@@ -112,6 +112,10 @@ impl Output {
     /// What the drawing layer refuses and what the system says of the file.
     pub fn write_figure(&self, stem: &str, figure: &Figure) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
+        // Nothing to show, such as the penetrations of bars that never touch.
+        if figure.panels.is_empty() {
+            return Ok(written);
+        }
         for format in self.file_formats() {
             let drawn = match format {
                 Format::Svg => figure.svg().map(String::into_bytes),

@@ -42,7 +42,11 @@ pub fn eigenvalue_errors(rows: &[WorkRow], size: usize) -> Figure {
         let of: Vec<&WorkRow> = rows.iter().filter(|row| row.problem == *problem).copied().collect();
         let mut layers = vec![front(&of)];
         layers.extend(of.iter().map(|row| markers(&[row], false)));
-        panel_of(error_axis(&rows), layers, format!("{problem}, {size} elements"))
+        panel_of(
+            error_axis("error of the critical step", &rows),
+            layers,
+            format!("{problem}, {size} elements"),
+        )
     };
     figure(problems(&rows).iter().map(panel).collect(), 2)
 }
@@ -52,9 +56,7 @@ pub fn eigenvalue_times(rows: &[WorkRow]) -> Figure {
     let rows = measured(rows, "eigenvalue");
     let panel = |problem: &String| {
         let of = || rows.iter().filter(|row| row.problem == *problem);
-        let mut methods: Vec<&str> = of().map(|row| row.method.as_str()).collect();
-        methods.sort_unstable();
-        methods.dedup();
+        let methods = methods(of().copied());
         let line = |method: &&str| {
             let (name, style) = kind(method);
             let points = of().filter(|row| row.method == *method);
@@ -75,16 +77,14 @@ pub fn impact_errors(rows: &[WorkRow], scene: &str) -> Figure {
         measured(rows, "stepping").into_iter().filter(|row| row.problem.starts_with(&prefix)).collect();
     let panel = |problem: &String| {
         let of: Vec<&WorkRow> = rows.iter().filter(|row| row.problem == *problem).copied().collect();
-        let mut methods: Vec<&str> = of.iter().map(|row| row.method.as_str()).collect();
-        methods.sort_unstable();
-        methods.dedup();
+        let methods = methods(of.iter().copied());
         let line = |method: &&str| {
             let of: Vec<&WorkRow> = of.iter().filter(|row| row.method == *method).copied().collect();
             markers(&of, true)
         };
         let layers = std::iter::once(front(&of)).chain(methods.iter().map(line)).collect();
         let what = problem.trim_start_matches(&prefix).replace('-', ", ");
-        panel_of(error_axis(&rows), layers, format!("{}, {what}", scene_name(scene)))
+        panel_of(error_axis("rms error", &rows), layers, format!("{}, {what}", scene_name(scene)))
     };
     figure(problems(&rows).iter().map(panel).collect(), 3)
 }
@@ -94,14 +94,24 @@ fn measured<'a>(rows: &'a [WorkRow], family: &str) -> Vec<&'a WorkRow> {
     rows.iter().filter(|row| row.family == family && row.point().is_some()).collect()
 }
 
+/// The problems in their order.
 fn problems(rows: &[&WorkRow]) -> Vec<String> {
-    let mut problems: Vec<String> = Vec::new();
-    for row in rows {
-        if !problems.contains(&row.problem) {
-            problems.push(row.problem.clone());
+    distinct(rows.iter().map(|row| row.problem.clone()))
+}
+
+/// The methods in their order.
+fn methods<'a>(rows: impl Iterator<Item = &'a WorkRow>) -> Vec<&'a str> {
+    distinct(rows.map(|row| row.method.as_str()))
+}
+
+fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
+    let mut found = Vec::new();
+    items.for_each(|item| {
+        if !found.contains(&item) {
+            found.push(item);
         }
-    }
-    problems
+    });
+    found
 }
 
 fn markers(rows: &[&WorkRow], joined: bool) -> Layer {
@@ -129,11 +139,11 @@ fn front(rows: &[&WorkRow]) -> Layer {
 }
 
 /// One scale of errors for all panels.
-fn error_axis(rows: &[&WorkRow]) -> Axis {
+fn error_axis(label: &str, rows: &[&WorkRow]) -> Axis {
     let errors = points(rows).into_iter().map(|(_, error)| error);
     let (low, high) = errors.fold((f64::INFINITY, 0.0_f64), |(low, high), e| (low.min(e), high.max(e)));
     let range = (low < high).then_some((low / 2.0, high * 2.0));
-    Axis { range, ..Axis::log("error") }
+    Axis { range, ..Axis::log(label) }
 }
 
 fn panel_of(y: Axis, layers: Vec<Layer>, title: String) -> Panel {

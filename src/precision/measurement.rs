@@ -4,6 +4,8 @@ use std::collections::HashMap;
 use std::fmt;
 use std::str::FromStr;
 
+use crate::spectrum::UNIT_ROUNDOFF;
+
 /// The kind of problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Family {
@@ -113,9 +115,10 @@ impl Measurement {
     }
 }
 
-/// Marks what is on the Pareto front of its problem: no other measurement has an error and a time that are both as small,
-/// one of them smaller.
+/// Marks what is on the Pareto front of its problem: everything that is quicker errs more, by over 1 %. Errors below the
+/// unit roundoff count as that, since a result in f64 is no better but by chance.
 pub fn mark_front(measurements: &mut [Measurement]) {
+    const DISTINCT: f64 = 0.99;
     let mut races: HashMap<(Family, String, usize), Vec<usize>> = HashMap::new();
     for (i, measurement) in measurements.iter_mut().enumerate() {
         measurement.on_front = false;
@@ -125,7 +128,10 @@ pub fn mark_front(measurements: &mut [Measurement]) {
         }
     }
     for mut race in races.into_values() {
-        let coordinates = |i: usize| measurements[i].coordinates().unwrap_or((f64::INFINITY, f64::INFINITY));
+        let coordinates = |i: usize| {
+            let (error, seconds) = measurements[i].coordinates().unwrap_or((f64::INFINITY, f64::INFINITY));
+            (error.max(UNIT_ROUNDOFF), seconds)
+        };
         // By time, then error: on the front is what is more right than everything quicker.
         race.sort_by(|a, b| {
             let ((ea, ta), (eb, tb)) = (coordinates(*a), coordinates(*b));
@@ -133,7 +139,7 @@ pub fn mark_front(measurements: &mut [Measurement]) {
         });
         let mut best = f64::INFINITY;
         race.retain(|i| {
-            let better = coordinates(*i).0 < best;
+            let better = coordinates(*i).0 < DISTINCT * best;
             best = best.min(coordinates(*i).0);
             better
         });
@@ -155,15 +161,17 @@ mod tests {
         let mut all = vec![
             measured(10, 1e-3, 1.0),
             measured(10, -1e-5, 2.0),
-            measured(10, 1e-4, 3.0), // slower and less right than the one before
-            measured(10, 1e-5, 2.5), // as right, slower
-            measured(10, 0.0, 9.0),
+            measured(10, 1e-4, 3.0),    // slower and less right than the one before
+            measured(10, 1e-5, 2.5),    // as right, slower
+            measured(10, 9.95e-6, 8.0), // more right by less than 1 %
+            measured(10, 1e-16, 9.0),
+            measured(10, 0.0, 9.5),  // by chance
             measured(20, 1.0, 99.0), // alone in its size
             Measurement { status: Status::Wrong("off".to_owned()), ..measured(10, 0.0, 0.1) },
         ];
         mark_front(&mut all);
         let marks: Vec<bool> = all.iter().map(|m| m.on_front).collect();
-        assert_eq!(marks, [true, true, false, false, true, true, false]);
+        assert_eq!(marks, [true, true, false, false, false, true, false, true, false]);
     }
 
     #[test]

@@ -2,64 +2,49 @@
 
 use super::{Family, Measurement, Status};
 
-/// The size of the eigenvalue problems in the table.
-const SIZE: usize = 1000;
+/// The sizes in the tables, or the largest below.
+const EIGENVALUE_SIZE: usize = 1000;
+const STEPPING_SIZE: usize = 400;
 
-/// The eigenvalues of 1000 elements (or of the most there are) and the Pareto fronts of the impacts. `machine` says what
-/// the times were taken on.
+/// The eigenvalues of 1000 elements and the impacts of 400 with lumped mass at C = 0.5. `machine` says what the times were
+/// taken on.
 pub fn markdown(measurements: &[Measurement], machine: &str) -> String {
-    let of = |family| measurements.iter().filter(move |m| m.family == family);
-    let sizes = || of(Family::Eigenvalue).map(|m| m.size);
-    let size = sizes().filter(|size| *size <= SIZE).max().or_else(|| sizes().max()).unwrap_or(SIZE);
-    let mut text = format!("Times on {machine}.\n");
-    let eigenvalues: Vec<&Measurement> = of(Family::Eigenvalue).filter(|m| m.size == size).collect();
-    text += &format!(
-        "\nLargest eigenvalue of {size} elements: time and error of the critical step, > 0 unsafe; **front** in bold.\n\n"
-    );
-    text += &pivot(&eigenvalues, "method", |m| m.method.clone(), |m| m.problem.clone());
-    text += "\nOn the Pareto front of the impacts, lumped mass (elements of the first bar: time, error).\n\n";
-    let front: Vec<&Measurement> =
-        of(Family::Stepping).filter(|m| m.on_front && m.problem.contains("-lumped-")).collect();
-    text += &fronts(&front);
-    text
+    let eigenvalues = of_size(measurements, Family::Eigenvalue, EIGENVALUE_SIZE);
+    let mut impacts = of_size(measurements, Family::Stepping, STEPPING_SIZE);
+    impacts.retain(|m| m.problem.contains("-lumped-") && m.method.ends_with("C=0.5"));
+    let size = |of: &[&Measurement]| of.first().map_or(0, |m| m.size);
+    format!(
+        "Times on {machine}.\n\nLargest eigenvalue of {} elements: time, error of the critical step (> 0: too large, \
+         unsafe). In bold what nothing beats.\n\n{}\nImpacts, {} elements in the first bar: time, rms error.\n\n{}",
+        size(&eigenvalues),
+        pivot(&eigenvalues, "method", |m| &m.method, |m| &m.problem),
+        size(&impacts),
+        pivot(&impacts, "problem", |m| &m.problem, |m| &m.method),
+    )
 }
 
-/// One line a method, one column a problem.
+/// The measurements of a family at `size`, or at the largest size below it.
+fn of_size(measurements: &[Measurement], family: Family, size: usize) -> Vec<&Measurement> {
+    let of = || measurements.iter().filter(|m| m.family == family);
+    let size = of().map(|m| m.size).filter(|known| *known <= size).max();
+    of().filter(|m| Some(m.size) == size).collect()
+}
+
+/// One row for each `line`, one column for each `column`.
 fn pivot(
     measurements: &[&Measurement],
     corner: &str,
-    line: impl Fn(&Measurement) -> String,
-    column: impl Fn(&Measurement) -> String,
+    line: impl Fn(&Measurement) -> &str,
+    column: impl Fn(&Measurement) -> &str,
 ) -> String {
     let lines = distinct(measurements.iter().map(|m| line(m)));
     let columns = distinct(measurements.iter().map(|m| column(m)));
     let mut text = format!("| {corner} | {} |\n|---|{}\n", columns.join(" | "), "---|".repeat(columns.len()));
-    for name in &lines {
-        let cells: Vec<String> = columns
-            .iter()
-            .map(|at| {
-                let found = measurements.iter().find(|m| line(m) == *name && column(m) == *at);
-                found.map_or_else(|| "–".to_owned(), |m| cell(m))
-            })
-            .collect();
+    for name in lines {
+        let at = |at: &&str| measurements.iter().find(|m| line(m) == name && column(m) == *at);
+        let cells: Vec<String> =
+            columns.iter().map(|column| at(column).map_or_else(|| "–".to_owned(), |m| cell(m))).collect();
         text += &format!("| {name} | {} |\n", cells.join(" | "));
-    }
-    text
-}
-
-/// One line a problem and scheme.
-fn fronts(measurements: &[&Measurement]) -> String {
-    let mut text = "| problem | method | elements: time, error |\n|---|---|---|\n".to_owned();
-    for (problem, method) in distinct(measurements.iter().map(|m| (m.problem.clone(), m.method.clone()))) {
-        let cells: Vec<String> = measurements
-            .iter()
-            .filter(|m| m.problem == problem && m.method == method)
-            .filter_map(|m| {
-                let (error, seconds) = m.coordinates()?;
-                Some(format!("{}: {}, {error:.1e}", m.size, duration(seconds)))
-            })
-            .collect();
-        text += &format!("| {problem} | {method} | {} |\n", cells.join("; "));
     }
     text
 }
@@ -77,7 +62,8 @@ fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
 fn cell(measurement: &Measurement) -> String {
     match (&measurement.status, measurement.error, measurement.seconds) {
         (Status::Done, Some(error), Some(seconds)) => {
-            let text = format!("{}, {error:+.1e}", duration(seconds));
+            let sign = if measurement.family == Family::Eigenvalue && error > 0.0 { "+" } else { "" };
+            let text = format!("{}, {sign}{error:.1e}", duration(seconds));
             if measurement.on_front { format!("**{text}**") } else { text }
         }
         (status, ..) => status.to_string(),
