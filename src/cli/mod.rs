@@ -7,6 +7,7 @@ mod impacts;
 mod maps;
 mod options;
 mod output;
+mod peers;
 mod progress;
 mod summary;
 
@@ -14,6 +15,7 @@ pub use impacts::{FinishedRun, PlannedRun, exact_energy, exact_force, execute};
 pub use maps::{Chart, Job, Solved, checked_grid, paper};
 pub use options::{Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput};
 pub use output::Output;
+pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use progress::Progress;
 pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};
 

@@ -93,9 +93,17 @@ impl Output {
                 Format::Json => record::json(&self.provenance, rows.iter())?,
                 _ => continue,
             };
-            written.push(self.write(stem, format, &bytes)?);
+            written.push(self.write(stem, format.ending(), &bytes)?);
         }
         Ok(written)
+    }
+
+    /// Writes `text` as `stem.md`, unless records go to standard output.
+    ///
+    /// # Errors
+    /// What the system says of the file.
+    pub fn write_markdown(&self, stem: &str, text: &str) -> Result<Vec<PathBuf>> {
+        if self.to_stdout() { Ok(Vec::new()) } else { Ok(vec![self.write(stem, "md", text.as_bytes())?]) }
     }
 
     /// Draws `figure` as `stem.svg`, `stem.png` and `stem.pdf`, as asked for.
@@ -104,6 +112,10 @@ impl Output {
     /// What the drawing layer refuses and what the system says of the file.
     pub fn write_figure(&self, stem: &str, figure: &Figure) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
+        // Nothing to show, such as the penetrations of bars that never touch.
+        if figure.panels.is_empty() {
+            return Ok(written);
+        }
         for format in self.file_formats() {
             let drawn = match format {
                 Format::Svg => figure.svg().map(String::into_bytes),
@@ -112,7 +124,7 @@ impl Output {
                 _ => continue,
             };
             let bytes = drawn.map_err(|source| Error::Figure { name: stem.to_owned(), source })?;
-            written.push(self.write(stem, format, &bytes)?);
+            written.push(self.write(stem, format.ending(), &bytes)?);
         }
         Ok(written)
     }
@@ -122,9 +134,9 @@ impl Output {
     }
 
     /// Writes a file whole or not at all: to a neighbour first, then renamed.
-    fn write(&self, stem: &str, format: Format, bytes: &[u8]) -> Result<PathBuf> {
-        let path = self.directory.join(format!("{stem}.{}", format.ending()));
-        let draft = self.directory.join(format!(".{stem}.{}.part", format.ending()));
+    fn write(&self, stem: &str, ending: &str, bytes: &[u8]) -> Result<PathBuf> {
+        let path = self.directory.join(format!("{stem}.{ending}"));
+        let draft = self.directory.join(format!(".{stem}.{ending}.part"));
         let written = std::fs::create_dir_all(&self.directory)
             .and_then(|()| std::fs::write(&draft, bytes))
             .and_then(|()| std::fs::rename(&draft, &path));

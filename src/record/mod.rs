@@ -7,7 +7,7 @@ mod rows;
 mod verify_rows;
 
 pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
-pub use precision_rows::{ExtremeRow, NumberOrRefusal};
+pub use precision_rows::{ExtremeRow, NumberOrRefusal, WorkRow};
 pub use provenance::Provenance;
 pub use rows::{Number, OptimalRatioRow, StabilityRow};
 pub use verify_rows::VerifyRow;
