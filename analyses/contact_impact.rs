@@ -7,21 +7,22 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, checked_grid,
-    exact_energy, exact_force, execute, finish, print_impacts,
+    FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_stems,
+    checked_grid, exact_energy, exact_force, exact_stress, execute, finish, print_impacts,
 };
 use bipenalty::error::{Refusal, Result};
-use bipenalty::impact::{Ending, Recording, Run};
+use bipenalty::impact::{Ending, Exact, Recording, Run};
 use bipenalty::penalty::Ratio;
 use bipenalty::plot::impact_charts::{self, Quantity};
 use bipenalty::record::{HistoryRow, ImpactRow};
 use bipenalty::schemes::Scheme;
-use bipenalty::stability::{Axis, Grid, Model};
+use bipenalty::stability::{Axis, Grid, Model, check_has_contact};
 use clap::Parser;
 
 /// Contact-impact of bars in time: three schemes, exact solutions, errors.
+// The schemes know no diagonalised mass penalty of a pair; on a wall both forms are one.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXAMPLES)]
+#[command(version, after_help = EXAMPLES, mut_arg("penalty_mass", |form| form.hide(true)))]
 struct Options {
     #[command(flatten)]
     scene: SceneOptions,
@@ -48,9 +49,13 @@ struct Options {
     /// Simulated time in s [default: the scene's]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// Time in s at which the stress along the bars is taken [default: a sixth of the simulated time]
+    /// Time in s at which the stress along the bars is taken [default: a quarter into the first contact of the exact
+    /// solution; without one, a sixth of the simulated time]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     stress_at: Option<f64>,
+    /// Keep every N-th step only, for long runs; the errors are then sampled as sparsely
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1)]
+    every: u64,
     #[command(flatten)]
     output: OutputOptions,
 }
@@ -58,10 +63,11 @@ struct Options {
 const EXAMPLES: &str = "Examples:
   contact-impact                                  the impacts of the paper, into figures/contact-impact/
   contact-impact hunek --mass lumped --scheme park --beta-s 1e8
-  contact-impact my-bars.toml --relative-courant 0.9 --ratio 1,inf --stdout csv";
+  contact-impact my-bars.toml --mass lumped --scheme predictor-corrector --ratio 1,2 --stdout csv
+  contact-impact bouncing-bar --mass lumped --duration 16 --every 10 --format svg,csv";
 
 fn main() -> ExitCode {
-    finish(run(&Options::parse()))
+    finish(run(&arguments::<Options>()))
 }
 
 fn run(options: &Options) -> Result<Verdict> {
@@ -107,6 +113,7 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
     let grid = checked_grid(&options.beta_s, &options.ratio)?;
     let mut figures = Vec::new();
     for model in asked.scenes()?.iter().flat_map(|scene| asked.models(scene)) {
+        check_has_contact(&model)?;
         model.check_grid(&grid)?;
         check_form(&model, &grid)?;
         for ratio in &grid.ratios {
@@ -114,22 +121,38 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
             for beta_s in &grid.stiffness_penalties {
                 for scheme in &options.scheme {
                     let run = Run::new(model.clone(), *scheme, *beta_s, *ratio)?;
-                    let run = run.with_theta(options.theta)?;
-                    let run = match options.duration {
-                        Some(duration) => run.with_duration(duration)?,
-                        None => run,
-                    };
-                    let run = run.with_relative_courant(options.relative_courant)?;
+                    let run = configure(run, options).map_err(|refusal| by_option(refusal, options))?;
                     runs.push(PlannedRun { run, beta_s: *beta_s, ratio: *ratio });
                 }
             }
             figures.push(runs);
         }
     }
-    if let Some(time) = options.stress_at.filter(|time| !(time.is_finite() && *time >= 0.0)) {
-        return Err(Refusal::new("--stress-at", time, "a time of at least 0 (s)").into());
-    }
+    check_stems(&options.output, figures.iter().flatten().map(PlannedRun::stem))?;
     Ok(figures)
+}
+
+/// The run with the steps, the time and the recording that were asked for.
+fn configure(run: Run, options: &Options) -> Result<Run, Refusal> {
+    let run = run.with_theta(options.theta)?.with_relative_courant(options.relative_courant)?;
+    let run = match options.duration {
+        Some(duration) => run.with_duration(duration)?,
+        None => run,
+    };
+    run.check(&recording(options, &run)).map(|()| run)
+}
+
+/// A refusal by the option that the user typed.
+fn by_option(refusal: Refusal, options: &Options) -> Refusal {
+    let place = match refusal.place.as_str() {
+        "theta" => "--theta",
+        "relative Courant number" => "--relative-courant",
+        "duration" if options.duration.is_some() => "--duration",
+        "stress time" => "--stress-at",
+        "steps between records" => "--every",
+        other => other,
+    };
+    Refusal { place: place.to_owned(), ..refusal }
 }
 
 /// Refuses the diagonalised mass penalty of a pair: the schemes know rank-one contact terms.
@@ -144,49 +167,75 @@ fn check_form(model: &Model, grid: &Grid) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Every step with its energies, and the stress at one time.
+/// The steps with their energies, and the stress at one time.
 fn recording(options: &Options, run: &Run) -> Recording {
-    let stress_time = options.stress_at.unwrap_or(run.duration() / 6.0);
-    Recording { every: 1, energies: true, stress_times: vec![stress_time] }
+    let stress_time = options.stress_at.unwrap_or_else(|| stress_time(run));
+    Recording { every: options.every, energies: true, stress_times: vec![stress_time] }
+}
+
+/// A quarter into the first exact contact, where the wave is halfway through a bar.
+fn stress_time(run: &Run) -> f64 {
+    let exact = Exact::of(run.model().scene(), run.duration());
+    let first = exact.and_then(|exact| exact.contact_intervals().first().copied());
+    first.map_or(run.duration() / 6.0, |(start, end)| start + 0.25 * (end - start))
 }
 
 /// Writes the records of the runs of one figure, and the figures.
 fn write(finished: &[FinishedRun], output: &Output) -> Result<usize> {
     let Some(first) = finished.first() else { return Ok(0) };
+    let contacts = first.history.contacts;
     let mut files = 0;
     for run in finished {
-        for contact in 0..run.history.contacts {
-            let suffix = if contact == 0 { String::new() } else { format!("-contact{}", contact + 1) };
-            let stem = run.planned.stem() + &suffix;
+        for contact in 0..contacts {
+            let stem = run.planned.stem() + &suffix(contact);
             files += output.write_rows(&stem, &HistoryRow::of(&run.history, contact))?.len();
         }
         files += output.write_rows(&(run.planned.stem() + "-stress"), &run.stress())?.len();
     }
-    if !output.wants_figures() {
-        return Ok(files);
-    }
-    let run = &first.planned.run;
-    let (scene, mass) = (run.model().scene().name(), run.model().mass().name());
-    let ratio = if first.planned.ratio.get() == 1.0 {
-        String::new()
-    } else {
-        format!("-r{}", first.planned.ratio.get())
-    };
     // What has blown up would hide everything else; its row says when.
     let drawable = |run: &&FinishedRun| !matches!(run.history.ending, Ending::BlewUp { .. });
-    let records: Vec<_> = finished.iter().filter(drawable).map(FinishedRun::record).collect();
-    if records.is_empty() {
+    let drawable: Vec<&FinishedRun> = finished.iter().filter(drawable).collect();
+    if !output.wants_figures() || drawable.is_empty() {
         return Ok(files);
     }
-    for (name, quantity) in Quantity::ALL {
+    for contact in 0..contacts {
+        files += draw(&first.planned, &drawable, contact, output)?;
+    }
+    Ok(files)
+}
+
+/// What the name of a file says of a contact, counted from 0 at the left.
+fn suffix(contact: usize) -> String {
+    if contact == 0 { String::new() } else { format!("-contact{}", contact + 1) }
+}
+
+/// Force and gap of one contact; with the first also what belongs to the bars.
+fn draw(planned: &PlannedRun, runs: &[&FinishedRun], contact: usize, output: &Output) -> Result<usize> {
+    let (run, ratio) = (&planned.run, planned.ratio.get());
+    let (scene, mass) = (run.model().scene().name(), run.model().mass().name());
+    let ratio = if ratio == 1.0 { String::new() } else { format!("-r{ratio}") };
+    let records: Vec<_> = runs.iter().map(|run| run.record(contact)).collect();
+    let summary: Vec<ImpactRow> = runs.iter().map(|run| run.row()).collect();
+    let number = (run.penalties().len() > 1).then_some(contact + 1);
+    let mut files = 0;
+    for (name, quantity) in Quantity::ALL.into_iter().filter(|(_, q)| contact == 0 || q.is_of_contact()) {
         let exact = match quantity {
             Quantity::Force => exact_force(run),
             Quantity::Energy => exact_energy(run),
             Quantity::Gap => Vec::new(),
         };
-        let figure = impact_charts::histories(scene, &mass, &records, quantity, &exact);
-        files += output.write_figure(&format!("{scene}-{name}-{mass}{ratio}"), &figure)?.len();
+        let figure = impact_charts::histories(scene, &mass, &records, (quantity, number), &exact);
+        let stem = format!("{scene}-{name}-{mass}{ratio}{}", suffix(contact));
+        let histories: Vec<String> = runs.iter().map(|run| run.planned.stem() + &suffix(contact)).collect();
+        files += output.write_figure_of(&stem, &figure, &histories, Some(&summary))?.len();
     }
-    let figure = impact_charts::stresses(scene, &mass, &records);
-    Ok(files + output.write_figure(&format!("{scene}-stress-{mass}{ratio}"), &figure)?.len())
+    if contact == 0 {
+        let time = records.iter().flat_map(|record| &record.stress).map(|row| row.time.0).next();
+        let exact = time.map_or_else(Vec::new, |time| exact_stress(run, time));
+        let figure = impact_charts::stresses(scene, &mass, &records, &exact);
+        let stem = format!("{scene}-stress-{mass}{ratio}");
+        let stresses: Vec<String> = runs.iter().map(|run| run.planned.stem() + "-stress").collect();
+        files += output.write_figure_of(&stem, &figure, &stresses, Some(&summary))?.len();
+    }
+    Ok(files)
 }

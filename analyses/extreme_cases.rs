@@ -6,7 +6,7 @@
 
 use std::process::ExitCode;
 
-use bipenalty::cli::{Output, OutputOptions, Progress, Verdict, finish, print_table};
+use bipenalty::cli::{Output, OutputOptions, Progress, Verdict, arguments, finish, print_table};
 use bipenalty::error::{Refusal, Result};
 use bipenalty::precision::{Case, Checked, References, cases};
 use bipenalty::record::ExtremeRow;
@@ -30,14 +30,17 @@ const EXAMPLES: &str = "Examples:
   extreme-cases --stdout csv --quiet  records on standard output";
 
 fn main() -> ExitCode {
-    finish(run(&Options::parse()))
+    finish(run(&arguments::<Options>()))
 }
 
 fn run(options: &Options) -> Result<Verdict> {
     let chosen = choose(&options.words)?;
     let output = Output::prepare(&options.output, "extreme-cases")?;
     if options.output.explain {
-        println!("{} cases against tests/data/extreme_cases.csv; left out: figures", chosen.len());
+        let cases = chosen.len();
+        Output::print_text(&format!(
+            "{cases} cases against tests/data/extreme_cases.csv; left out: figures\n"
+        ))?;
         return Ok(Verdict::Holds);
     }
     let references = References::built_in();

@@ -5,11 +5,12 @@
 //! penalised and the contact-free l_max are apart). The expected ratio is r* = l_max(K, M)/omega_e^2, which is 1 for
 //! bars with free ends.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, checked_grid, finish, print_table,
-    tabulate_ratios,
+    LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments, check_stems,
+    checked_grid, finish, print_table, redraw_optimal_ratio, tabulate_ratios,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::penalty::StiffnessPenalty;
@@ -19,7 +20,7 @@ use bipenalty::stability::{
     Axis, Expectation, Grid, Model, SchemeLimit, check_has_contact, governing_bar, optimal_ratio,
     optimal_scheme_ratio,
 };
-use clap::Parser;
+use clap::{Parser, ValueHint};
 use rayon::prelude::*;
 
 /// The largest penalty ratio r that costs no time step, with its enclosure, over the stiffness penalty.
@@ -33,6 +34,10 @@ struct Options {
     beta_s: Axis,
     #[command(flatten)]
     limit: LimitOptions,
+    /// Draw the records of a CSV file, written by an earlier run, again without computing
+    #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
+        "elements", "mass", "penalty_mass", "beta_s", "limit", "theta", "engine"])]
+    from: Option<PathBuf>,
     #[command(flatten)]
     output: OutputOptions,
 }
@@ -41,7 +46,8 @@ const EXAMPLES: &str = "Examples:
   optimal-ratio                                     the built-in scenes, into figures/optimal-ratio/
   optimal-ratio my-bars.toml --beta-s 1e4           which r is free of cost for my bars, and which bar governs
   optimal-ratio hunek --limit predictor-corrector   which r is free of cost for that scheme
-  optimal-ratio signorini --mass lumped --beta-s log:1:1e16:17 --stdout csv";
+  optimal-ratio signorini --mass lumped --beta-s log:1:1e16:17 --stdout csv
+  optimal-ratio --from figures/optimal-ratio/signorini.csv --width single --format pdf";
 
 /// What was found for one model.
 struct Found {
@@ -52,10 +58,13 @@ struct Found {
 }
 
 fn main() -> ExitCode {
-    finish(run(&Options::parse()))
+    finish(run(&arguments::<Options>()))
 }
 
 fn run(options: &Options) -> Result<Verdict> {
+    if let Some(file) = &options.from {
+        return redraw(file, options);
+    }
     let models = plan(options)?;
     let output = Output::prepare(&options.output, "optimal-ratio")?;
     let grid = checked_grid(&options.beta_s, &Axis::list([1.0, 1e12]))?;
@@ -77,12 +86,10 @@ fn run(options: &Options) -> Result<Verdict> {
         let rows: Vec<Vec<OptimalRatioRow>> = found.iter().map(|found| found.rows.clone()).collect();
         files += output.write_rows(name, &rows.concat())?.len();
         if output.wants_figures() && options.beta_s.values.len() > 1 {
-            let expected: Option<Vec<f64>> = found.iter().map(|found| found.expected).collect();
-            let figure = match expected {
-                Some(expected) => charts::optimal_ratio(&rows, &expected, options.beta_s.log),
-                None => charts::optimal_scheme_ratio(&rows, options.beta_s.log),
-            };
-            files += output.write_figure(name, &figure)?.len();
+            let log = charts::is_logarithmic(&options.beta_s.values);
+            if let Some(figure) = charts::optimal_ratio(&rows, log) {
+                files += output.write_figure(name, &figure)?.len();
+            }
         }
         holds &= rows.iter().flatten().all(|row| row.holds);
         all.extend(found);
@@ -96,6 +103,21 @@ fn run(options: &Options) -> Result<Verdict> {
     Ok(if holds { Verdict::Holds } else { Verdict::Fails })
 }
 
+/// The figure of records that an earlier run has left; whether every row of them holds.
+fn redraw(file: &Path, options: &Options) -> Result<Verdict> {
+    let output = Output::prepare(&options.output, "optimal-ratio")?;
+    if options.output.explain {
+        Output::print_text(&format!("{}: drawn again; left out: every computation\n", file.display()))?;
+        return Ok(Verdict::Holds);
+    }
+    let (rows, files) = redraw_optimal_ratio(file, &output)?;
+    output.print(&rows)?;
+    if !options.output.quiet {
+        output.report(files);
+    }
+    Ok(if rows.iter().all(|row| row.holds) { Verdict::Holds } else { Verdict::Fails })
+}
+
 /// The models of every scene, one a mass matrix; the built-in scenes if none is named.
 fn plan(options: &Options) -> Result<Vec<Vec<Model>>> {
     let mut asked = options.scene.clone();
@@ -105,6 +127,7 @@ fn plan(options: &Options) -> Result<Vec<Vec<Model>>> {
     let models: Vec<Vec<Model>> = asked.scenes()?.iter().map(|scene| asked.models(scene)).collect();
     models.iter().flatten().try_for_each(check_has_contact)?;
     models.iter().flatten().try_for_each(|model| options.limit.check(model))?;
+    check_stems(&options.output, models.iter().map(|models| models[0].scene().name().to_owned()))?;
     Ok(models)
 }
 

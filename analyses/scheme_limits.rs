@@ -8,66 +8,76 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    Job, Limit, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Solved, Verdict, finish,
+    Job, Limit, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Solved, Verdict, arguments,
+    check_stems, finish, print_table,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::penalty::StiffnessPenalty;
 use bipenalty::plot::charts;
 use bipenalty::record::{OptimalRatioRow, StabilityRow};
-use bipenalty::stability::{Axis, EngineName, Model, SchemeLimit, optimal_scheme_ratio, scheme_contour};
+use bipenalty::stability::{
+    Axis, EngineName, Model, SchemeLimit, check_has_contact, optimal_scheme_ratio, scheme_contour,
+};
 use clap::Parser;
 use rayon::prelude::*;
 
 /// The stability limits of the schemes themselves with closed contact, and their optimal ratios.
 #[derive(Debug, Parser)]
-#[command(version)]
+#[command(version, after_help = EXAMPLES)]
 struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     /// Averaging of the Park scheme, in [0, 1]
-    #[arg(long, value_name = "T", default_value_t = 0.5)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 0.5)]
     theta: f64,
     #[command(flatten)]
     output: OutputOptions,
 }
 
+const EXAMPLES: &str = "Examples:
+  scheme-limits                              a bar of 100 elements on a wall, into figures/scheme-limits/
+  scheme-limits hunek --mass lumped --theta 1
+  scheme-limits my-bars.toml --mass lumped --stdout csv";
+
 const LIMITS: [Limit; 4] =
     [Limit::Spectrum, Limit::CentralDifference, Limit::PredictorCorrector, Limit::Park];
 
 fn main() -> ExitCode {
-    finish(run(&Options::parse()))
+    finish(run(&arguments::<Options>()))
 }
 
 fn run(options: &Options) -> Result<Verdict> {
     let models = plan(options)?;
     let output = Output::prepare(&options.output, "scheme-limits")?;
     if options.output.explain {
-        models.iter().for_each(|model| {
-            println!(
-                "{}, {} mass: four limits as curves and maps",
-                model.scene().name(),
-                model.mass().name()
-            );
-        });
+        Output::print_text(&models.iter().map(explain).collect::<String>())?;
         return Ok(Verdict::Holds);
     }
-    let progress = Progress::new(0, "points", options.output.quiet);
-    let (mut printed, mut certified) = (Vec::new(), true);
+    let mut jobs = Vec::new();
     for model in &models {
-        for job in jobs(model)? {
-            let rows = solve(&job, model, options.theta, &progress)?;
-            certified &= rows.iter().flatten().all(|row| row.critical_courant.is_some());
-            output.write_rows(&job.stem, &rows.concat())?;
-            if output.wants_figures() {
-                draw(&job, model, &rows, options.theta, &output)?;
-            }
-            printed.extend(rows.concat());
-        }
+        jobs.extend(figures(model)?.into_iter().map(|job| (model, job)));
     }
-    let holds = optimal_ratios(&models, options.theta, &output)?;
+    let points = jobs.iter().map(|(_, job)| job.points() * limits(job).count()).sum();
+    let progress = Progress::new(points, "points", options.output.quiet);
+    let (mut printed, mut files) = (Vec::new(), 0);
+    for (model, job) in &jobs {
+        let rows = solve(job, model, options.theta, &progress)?;
+        files += output.write_rows(&job.stem, &rows.concat())?.len();
+        if output.wants_figures() {
+            files += draw(job, model, &rows, options.theta, &output)?;
+        }
+        printed.extend(rows.concat());
+    }
     drop(progress);
-    output.print(printed)?;
-    Ok(if certified && holds { Verdict::Holds } else { Verdict::Fails })
+    let ratios = optimal_ratios(&models, options.theta, &output, &mut files)?;
+    output.print(&printed)?;
+    if !options.output.quiet {
+        summarise(&printed, &ratios);
+        output.report(files);
+    }
+    let certified = printed.iter().all(|row| row.critical_courant.is_some());
+    let holds = certified && ratios.iter().all(|row| row.holds);
+    Ok(if holds { Verdict::Holds } else { Verdict::Fails })
 }
 
 /// The bar of 100 elements on a wall unless told otherwise, with every mass matrix.
@@ -77,10 +87,23 @@ fn plan(options: &Options) -> Result<Vec<Model>> {
         asked.scenes = vec!["signorini".to_owned()];
     }
     let models: Vec<Model> = asked.scenes()?.iter().flat_map(|scene| asked.models(scene)).collect();
+    models.iter().try_for_each(check_has_contact)?;
     for limit in LIMITS {
         models.iter().try_for_each(|model| settings(limit, options.theta).check(model))?;
     }
+    check_stems(&options.output, models.iter().map(|model| stem("fig3", model)))?;
     Ok(models)
+}
+
+fn explain(model: &Model) -> String {
+    let (scene, mass) = (model.scene().name(), model.mass().name());
+    format!(
+        "{scene}, {mass} mass: four limits as curves and maps, largest ratio without cost; left out: eigenvectors\n"
+    )
+}
+
+fn stem(kind: &str, model: &Model) -> String {
+    format!("{kind}-{}-{}", model.scene().name(), model.mass().name())
 }
 
 fn settings(limit: Limit, theta: f64) -> LimitOptions {
@@ -89,30 +112,34 @@ fn settings(limit: Limit, theta: f64) -> LimitOptions {
 }
 
 /// Fig. 3 and the map of one model.
-fn jobs(model: &Model) -> Result<Vec<Job>> {
-    let stem = |kind: &str| format!("{kind}-{}-{}", model.scene().name(), model.mass().name());
+fn figures(model: &Model) -> Result<Vec<Job>> {
     let ratios = Axis::list([0.25, 1.0, 2.0, 3.0, f64::INFINITY]);
-    let curves = Job::new(stem("fig3"), vec![model.clone()], Axis::linear(0.0, 10.0, 401)?, ratios)?;
+    let curves = Job::new(stem("fig3", model), vec![model.clone()], Axis::linear(0.0, 10.0, 401)?, ratios)?;
     let (beta_s, ratio) = (Axis::log(1e-2, 1e6, 161)?, Axis::log(0.05, 1e2, 97)?);
-    Ok(vec![curves, Job::new(stem("map"), vec![model.clone()], beta_s, ratio)?])
+    Ok(vec![curves, Job::new(stem("map", model), vec![model.clone()], beta_s, ratio)?])
 }
 
-/// The rows of the four limits, one panel each; a map shows the two that are not the spectrum's.
+/// The rows of the limits, one panel each.
 fn solve(job: &Job, model: &Model, theta: f64, progress: &Progress) -> Result<Vec<Vec<StabilityRow>>> {
-    let limits = LIMITS.into_iter().filter(|limit| !is_map(job) || limit.scheme().is_some());
     let panel = |limit: Limit| {
         let solved: Vec<Solved> = job.solve(&settings(limit, theta), progress)?;
         let of = |s: &Solved| StabilityRow::of(model, limit.name(), &s.curves, s.engine);
         Ok(solved.iter().flat_map(of).collect())
     };
-    limits.map(panel).collect()
+    limits(job).map(panel).collect()
+}
+
+/// The limits of a figure: a map shows the two that are not the spectrum's.
+fn limits(job: &Job) -> impl Iterator<Item = Limit> {
+    let map = is_map(job);
+    LIMITS.into_iter().filter(move |limit| !map || limit.scheme().is_some())
 }
 
 fn is_map(job: &Job) -> bool {
     job.chart == bipenalty::cli::Chart::Map
 }
 
-fn draw(job: &Job, model: &Model, rows: &[Vec<StabilityRow>], theta: f64, output: &Output) -> Result<()> {
+fn draw(job: &Job, model: &Model, rows: &[Vec<StabilityRow>], theta: f64, output: &Output) -> Result<usize> {
     let figure = if is_map(job) {
         let range = |axis: &Axis| (axis.values[0], axis.values[axis.values.len() - 1]);
         let (beta_s, ratio) = (range(&job.beta_s), range(&job.ratio));
@@ -127,28 +154,28 @@ fn draw(job: &Job, model: &Model, rows: &[Vec<StabilityRow>], theta: f64, output
     } else {
         charts::titled_by_limit(charts::curves(rows, false), rows)
     };
-    output.write_figure(&job.stem, &figure)?;
-    Ok(())
+    Ok(output.write_figure(&job.stem, &figure)?.len())
 }
 
-/// The largest ratio without cost to each scheme over beta_s; whether each enclosure holds the expected ratio.
-fn optimal_ratios(models: &[Model], theta: f64, output: &Output) -> Result<bool> {
-    let mut holds = true;
+/// The largest ratio without cost to each scheme over beta_s.
+fn optimal_ratios(
+    models: &[Model],
+    theta: f64,
+    output: &Output,
+    files: &mut usize,
+) -> Result<Vec<OptimalRatioRow>> {
+    let mut found = Vec::new();
     for scheme in [Limit::PredictorCorrector, Limit::Park] {
-        let mut all = Vec::new();
-        for model in models {
-            let rows = ratios_of(model, scheme, theta)?;
-            holds &= rows.iter().all(|row| row.holds);
-            all.push(rows);
-        }
+        let rows = models.iter().map(|model| ratios_of(model, scheme, theta)).collect::<Result<Vec<_>>>()?;
         let stem = format!("optimal-ratio-{}", scheme.name());
-        output.write_rows(&stem, &all.concat())?;
-        // Every ratio costs the Park scheme a step: nothing to draw.
-        if output.wants_figures() && scheme == Limit::PredictorCorrector {
-            output.write_figure(&stem, &charts::optimal_scheme_ratio(&all, true))?;
+        *files += output.write_rows(&stem, &rows.concat())?.len();
+        // Where every ratio costs a step, as with the Park scheme, there is nothing to draw.
+        if let Some(figure) = charts::optimal_ratio(&rows, true).filter(|_| output.wants_figures()) {
+            *files += output.write_figure(&stem, &figure)?.len();
         }
+        found.extend(rows.concat());
     }
-    Ok(holds)
+    Ok(found)
 }
 
 fn ratios_of(model: &Model, limit: Limit, theta: f64) -> Result<Vec<OptimalRatioRow>> {
@@ -163,4 +190,35 @@ fn ratios_of(model: &Model, limit: Limit, theta: f64) -> Result<Vec<OptimalRatio
         Ok(OptimalRatioRow::new(model, limit.name(), beta_s.get(), ratio, expected))
     };
     Axis::log(1e-1, 1e6, 141)?.values.par_iter().map(row).collect()
+}
+
+/// One line a model and limit: what r = 1 costs at its worst, and the ratio that costs nothing.
+fn summarise(rows: &[StabilityRow], ratios: &[OptimalRatioRow]) {
+    let of = |row: &StabilityRow| (row.scene.clone(), row.mass.clone(), row.limit);
+    let mut kinds: Vec<_> = rows.iter().map(of).collect();
+    let mut known = std::collections::HashSet::new();
+    kinds.retain(|kind| known.insert(kind.clone()));
+    let smallest = |values: &mut dyn Iterator<Item = f64>| values.reduce(f64::min);
+    let line = |kind: &(String, String, &'static str)| {
+        let of_kind = || rows.iter().filter(|row| of(row) == *kind);
+        let courant = |row: &StabilityRow| row.critical_courant.map(|c| c.0);
+        let free = of_kind().find(|row| row.stiffness_penalty.0 == 0.0).and_then(courant);
+        let optimal = smallest(
+            &mut of_kind()
+                .filter(|row| row.ratio.0 == 1.0 && row.stiffness_penalty.0 <= 10.0)
+                .filter_map(courant),
+        );
+        let kept = free.zip(optimal).map(|(free, optimal)| format!("{:.4}", optimal / free));
+        let (scene, mass, limit) = kind.clone();
+        let mine = |row: &&OptimalRatioRow| (&row.scene, &row.mass, row.limit) == (&scene, &mass, limit);
+        let ratio = smallest(&mut ratios.iter().filter(mine).filter_map(|row| Some(row.optimal_ratio?.0)));
+        let ratio = match ratio {
+            None => "-".to_owned(),
+            Some(0.0) => "none".to_owned(),
+            Some(ratio) => format!("{ratio:.6}"),
+        };
+        vec![scene, mass, limit.to_owned(), kept.unwrap_or("-".to_owned()), ratio]
+    };
+    let header = ["scene", "mass", "limit", "step kept at r = 1, beta_s up to 10", "largest r without cost"];
+    print_table(&header, kinds.iter().map(line));
 }

@@ -4,18 +4,19 @@
 //! stiffness penalty beta_s and the ratio r, with an enclosure, and 2/omega_max is drawn as the critical Courant
 //! number. Without a scene: the charts of the paper, the same for long bars, and maps over 15 decades of beta_s.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use bipenalty::cli::{
     Chart, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress, RatioSpec, SceneOptions, Solved,
-    Verdict, finish, paper, point_answers, print_summaries,
+    Verdict, arguments, check_stems, finish, paper, point_answers, print_summaries, redraw_stability,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::charts;
 use bipenalty::record::StabilityRow;
 use bipenalty::scene::built_in;
 use bipenalty::stability::{Axis, SchemeLimit, contour, scheme_contour};
-use clap::Parser;
+use clap::{Parser, ValueHint};
 
 /// Critical time steps of bars in contact: C_r over the stiffness penalty and the ratio, certified.
 #[derive(Debug, Parser)]
@@ -34,6 +35,10 @@ struct Options {
     relative_courant: Option<f64>,
     #[command(flatten)]
     limit: LimitOptions,
+    /// Draw the records of a CSV file, written by an earlier run, again without computing
+    #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
+        "elements", "mass", "penalty_mass", "beta_s", "ratio", "relative_courant", "limit", "theta", "engine"])]
+    from: Option<PathBuf>,
     #[command(flatten)]
     output: OutputOptions,
 }
@@ -47,13 +52,17 @@ const EXAMPLES: &str = "Examples:
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
   stability-map signorini --limit predictor-corrector --beta-s 1e3,1e6 --ratio plastic --relative-courant 0.9
-  stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv";
+  stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv
+  stability-map --from figures/stability-map/fig3-1-lumped.csv --width single --format pdf,tex";
 
 fn main() -> ExitCode {
-    finish(run(&Options::parse()))
+    finish(run(&arguments::<Options>()))
 }
 
 fn run(options: &Options) -> Result<Verdict> {
+    if let Some(file) = &options.from {
+        return redraw(file, options);
+    }
     let jobs = plan(options)?;
     let output = Output::prepare(&options.output, "stability-map")?;
     if options.output.explain {
@@ -90,6 +99,21 @@ fn run(options: &Options) -> Result<Verdict> {
     }
     let holds = summaries.iter().all(|summary| summary.holds);
     Ok(if holds { Verdict::Holds } else { Verdict::Fails })
+}
+
+/// The figure of records that an earlier run has left.
+fn redraw(file: &Path, options: &Options) -> Result<Verdict> {
+    let output = Output::prepare(&options.output, "stability-map")?;
+    if options.output.explain {
+        Output::print_text(&format!("{}: drawn again; left out: every computation\n", file.display()))?;
+        return Ok(Verdict::Holds);
+    }
+    let (rows, files) = redraw_stability(file, &output)?;
+    output.print(rows)?;
+    if !options.output.quiet {
+        output.report(files);
+    }
+    Ok(Verdict::Holds)
 }
 
 /// The figures of the paper, or one figure for each scene and mass matrix that was asked for.
@@ -135,32 +159,15 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         jobs
     };
     jobs.iter().flat_map(|job| &job.models).try_for_each(|model| options.limit.check(model))?;
-    if options.output.stdout.is_none() {
-        check_stems(&jobs)?;
-    }
+    check_stems(&options.output, jobs.iter().map(|job| job.stem.clone()))?;
     Ok(jobs)
-}
-
-/// Refuses two jobs that would write the same files.
-fn check_stems(jobs: &[Job]) -> Result<()> {
-    let repeated =
-        jobs.iter().enumerate().find(|(i, job)| jobs[..*i].iter().any(|other| other.stem == job.stem));
-    match repeated {
-        None => Ok(()),
-        Some((_, job)) => Err(Refusal::new(
-            "SCENE, --mass",
-            format!("a second run that writes {}", job.stem),
-            "scenes of different names and different mass matrices, or --stdout",
-        )
-        .into()),
-    }
 }
 
 /// Draws the chart of a job from its rows; contour lines come from the secular equation, not from the grid.
 fn draw(job: &Job, rows: &[Vec<StabilityRow>], limit: &LimitOptions, output: &Output) -> Result<usize> {
     let figure = match job.chart {
         Chart::None => return Ok(0),
-        Chart::Curves => charts::curves(rows, job.beta_s.log),
+        Chart::Curves => charts::curves(rows, charts::is_logarithmic(&job.beta_s.values)),
         Chart::MassFamily => charts::mass_family(rows),
         Chart::Map => {
             let range = |axis: &Axis| (axis.values[0], axis.values[axis.values.len() - 1]);

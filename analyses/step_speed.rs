@@ -5,31 +5,39 @@
 //! named, not skipped in silence.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, ExitCode};
 use std::time::Instant;
 
-use bipenalty::error::Refusal;
+use bipenalty::cli::{Verdict, arguments, finish};
+use bipenalty::error::Result;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
 use bipenalty::scene::{Bar, End, Scene};
 use bipenalty::schemes::{ContactRule, Park, Scheme, Setup, State, Stepper};
 use bipenalty::stability::Model;
+use clap::Parser;
 
 const NODES: usize = 1000;
 const STEPS: u64 = 50_000;
-const REPEATS: usize = 15;
 
-fn main() -> std::process::ExitCode {
-    match compare() {
-        Ok(()) => std::process::ExitCode::SUCCESS,
-        Err(refusal) => {
-            eprintln!("{refusal}");
-            std::process::ExitCode::from(2)
-        }
-    }
+/// Node-steps a second of central differences beside plain C and numpy.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXAMPLES)]
+struct Options {
+    /// Timed runs, which take turns with those of the C peer; the median counts
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    repeats: u16,
 }
 
-fn compare() -> Result<(), Refusal> {
+const EXAMPLES: &str = "Examples:
+  step-speed
+  step-speed --repeats 3  quicker and less sure";
+
+fn main() -> ExitCode {
+    finish(compare(&arguments::<Options>()))
+}
+
+fn compare(options: &Options) -> Result<Verdict> {
     let peer = compile_peer();
     if let Err(reason) = &peer {
         println!("no C peer: {reason}");
@@ -39,7 +47,7 @@ fn compare() -> Result<(), Refusal> {
     for (name, mass, steps) in cases {
         let (mut stepper, mut state) = prepare(mass, if mass.is_lumped() { 0.5 } else { 0.25 })?;
         let (mut here, mut there) = (Vec::new(), Vec::new());
-        for _ in 0..REPEATS {
+        for _ in 0..options.repeats {
             here.push(rate(&mut stepper, &mut state, steps));
             there.extend(peer.as_ref().ok().and_then(|program| {
                 output(Command::new(program).args([name, &NODES.to_string(), &steps.to_string(), "1"]))
@@ -64,7 +72,7 @@ fn compare() -> Result<(), Refusal> {
         Some(rate) => println!("numpy, lumped: {rate:.3e} 1/s"),
         None => println!("no numpy peer: python3 with numpy was not found"),
     }
-    Ok(())
+    Ok(Verdict::Holds)
 }
 
 fn peers() -> PathBuf {
@@ -95,7 +103,7 @@ fn median(rates: &mut [f64]) -> f64 {
 }
 
 /// A free bar of unit elements in unsteady motion.
-fn prepare(mass: MassMatrix, time_step: f64) -> Result<(Stepper, State), Refusal> {
+fn prepare(mass: MassMatrix, time_step: f64) -> Result<(Stepper, State)> {
     let elements = NODES - 1;
     let bar = Bar {
         length: elements as f64,

@@ -6,7 +6,7 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    Output, OutputOptions, Progress, SceneOptions, Verdict, checked_grid, finish, print_table,
+    Output, OutputOptions, Progress, SceneOptions, Verdict, arguments, checked_grid, finish, print_table,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::verify_charts;
@@ -54,7 +54,7 @@ struct Job {
 }
 
 fn main() -> ExitCode {
-    finish(run(&Options::parse()))
+    finish(run(&arguments::<Options>()))
 }
 
 fn run(options: &Options) -> Result<Verdict> {

@@ -6,7 +6,6 @@
 #[path = "common/tool.rs"]
 mod tool;
 
-use std::collections::BTreeSet;
 use std::io::Read;
 use std::process::{Command, Stdio};
 
@@ -261,20 +260,4 @@ fn the_limit_of_a_scheme_is_not_the_limit_of_the_spectrum() {
     // Given to four digits.
     near(courant("--limit park --beta-s 1e4 --ratio 1"), 0.7072, 0.5e-4 / 0.7072);
     assert!(courant("--limit park --theta 0 --beta-s 1e4 --ratio 1") > 0.75);
-}
-
-/// Every option in --help is used by a command of this file or of the file of refusals.
-#[test]
-fn every_option_is_exercised() {
-    let help = run(&Scratch::new("help"), "--help").succeeded();
-    let options: BTreeSet<&str> = help
-        .split(|c: char| c.is_whitespace() || c == ',')
-        .filter(|word| word.starts_with("--") && word.len() > 2)
-        .collect();
-    assert!(options.len() >= 14, "{options:?}");
-    let sources = concat!(include_str!("cli.rs"), include_str!("cli_refusals.rs"));
-    let used =
-        |option: &&str| sources.contains(&format!("{option} ")) || sources.contains(&format!("{option}\""));
-    let unused: Vec<_> = options.iter().filter(|option| !used(option)).collect();
-    assert!(unused.is_empty(), "no test uses {unused:?}");
 }

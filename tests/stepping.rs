@@ -208,6 +208,9 @@ fn a_run_that_blows_up_or_is_stopped_says_when() {
     let wild = run.clone().with_relative_courant(1.1).unwrap().with_duration(30.0).unwrap();
     let history = wild.execute(&Recording::default(), None).unwrap();
     let Ending::BlewUp { step, time } = history.ending else { panic!("{:?}", history.ending) };
+    let summary = Summary::of(&wild, &history);
+    let numbers = (summary.force_error, summary.steady_relative_gap, summary.energy_ratio);
+    assert_eq!(numbers, (None, None, None), "errors of noise");
     assert!(step > 0 && step < wild.steps() && (time - step as f64 * wild.time_step()).abs() < 1e-12);
     let stop = std::sync::atomic::AtomicBool::new(true);
     let mut told = Vec::new();
@@ -221,16 +224,30 @@ fn a_run_that_blows_up_or_is_stopped_says_when() {
 #[test]
 fn impossible_runs_are_refused_before_they_start() {
     let good = run("signorini", MassMatrix::LUMPED, Scheme::Park, 1.0, 1.0);
-    for c in [0.0, -0.5, f64::NAN, f64::INFINITY, 1e-9] {
+    for c in [0.0, -0.5, f64::NAN, f64::INFINITY] {
         assert!(good.clone().with_relative_courant(c).is_err(), "{c}");
     }
     for theta in [-0.1, 1.1, f64::NAN] {
         assert!(good.clone().with_theta(theta).is_err(), "{theta}");
     }
-    for duration in [0.0, f64::NAN, 1e9] {
+    for duration in [0.0, f64::NAN, f64::INFINITY] {
         assert!(good.clone().with_duration(duration).is_err(), "{duration}");
     }
-    assert!(good.execute(&Recording { every: 0, ..Recording::default() }, None).is_err());
+    let refused = |run: &Run, recording: Recording| run.execute(&recording, None).unwrap_err().place;
+    assert_eq!(refused(&good, Recording { every: 0, ..Recording::default() }), "steps between records");
+    // Duration and step count together, in whichever order they were given.
+    let (small, long) = (good.clone().with_relative_courant(1e-9), good.clone().with_duration(1e9));
+    for run in [small.unwrap(), long.clone().unwrap()] {
+        assert_eq!(refused(&run, Recording::default()), "duration");
+    }
+    assert!(long.unwrap().with_duration(1.0).unwrap().check(&Recording::default()).is_ok());
+    // The run ends at 0.3 s.
+    for time in [-0.1, 0.31, f64::NAN] {
+        assert_eq!(
+            refused(&good, Recording { stress_times: vec![0.1, time], ..Recording::default() }),
+            "stress time"
+        );
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::Progress;
 use super::summary::short;
 use crate::error::{Error, Refusal, Result};
-use crate::impact::{self, Exact, History, Recording, Run};
+use crate::impact::{self, Exact, History, Mesh, Recording, Run};
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::plot::impact_charts::{ExactLine, RunRecord};
 use crate::record::{HistoryRow, ImpactRow, StressRow};
@@ -61,12 +61,12 @@ impl FinishedRun {
         self.history.stress.iter().flat_map(|field| StressRow::of(run, exact.as_ref(), field)).collect()
     }
 
-    /// What the charts need.
-    pub fn record(&self) -> RunRecord {
+    /// What the charts need of `contact` (from 0).
+    pub fn record(&self, contact: usize) -> RunRecord {
         RunRecord {
             stiffness_penalty: self.planned.beta_s.get(),
             scheme: self.planned.run.scheme().facts().title,
-            history: HistoryRow::of(&self.history, 0),
+            history: HistoryRow::of(&self.history, contact),
             stress: self.stress(),
         }
     }
@@ -118,18 +118,21 @@ pub fn execute(
 
 /// The exact contact force of a run's scene, with its jumps.
 pub fn exact_force(run: &Run) -> ExactLine {
-    let Some(exact) = Exact::of(run.model().scene(), run.duration()) else { return Vec::new() };
-    let samples = 600;
-    let mut line = vec![(0.0, 0.0)];
-    for i in 0..=samples {
-        let t = run.duration() * f64::from(i) / f64::from(samples);
-        let (before, after) = (exact.force_before(t), exact.force(t));
-        if before != after {
-            line.push((t, before));
-        }
-        line.push((t, after));
-    }
-    line
+    // From the free bars before the start.
+    let line = |exact: Exact| [vec![(0.0, 0.0)], exact.force_line()].concat();
+    Exact::of(run.model().scene(), run.duration()).map_or_else(Vec::new, line)
+}
+
+/// The exact stress at time t with the bars laid end to end, with its jumps.
+pub fn exact_stress(run: &Run, t: f64) -> ExactLine {
+    let scene = run.model().scene();
+    let Some(exact) = Exact::of(scene, run.duration()) else { return Vec::new() };
+    let mesh = Mesh::new(scene);
+    let line = |bar: usize| {
+        let start = mesh.start(bar);
+        exact.stress_line(bar, t).into_iter().map(move |(x, stress)| (start + x, stress))
+    };
+    (0..scene.bars().len()).flat_map(line).collect()
 }
 
 /// The exact kinetic and strain energy, J.

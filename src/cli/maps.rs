@@ -6,6 +6,7 @@ use super::{Limit, LimitOptions, Progress};
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
 use crate::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
+use crate::plot::charts::is_logarithmic;
 use crate::scene::Scene;
 use crate::schemes::Scheme;
 use crate::spectrum::{Enclosure, Engine, Uncertified};
@@ -22,6 +23,18 @@ pub enum Chart {
     MassFamily,
     /// Too few points for a chart.
     None,
+}
+
+impl Chart {
+    /// The chart for curves over `beta_s` at `ratios`.
+    pub fn of(beta_s: &[f64], ratios: &[f64]) -> Self {
+        match (beta_s.len(), ratios.len()) {
+            (0 | 1, _) => Self::None,
+            (_, ratios) if ratios <= MOST_CURVES => Self::Curves,
+            _ if is_logarithmic(beta_s) && is_logarithmic(ratios) => Self::Map,
+            _ => Self::None,
+        }
+    }
 }
 
 /// The models of one figure and the grid they share.
@@ -75,12 +88,7 @@ impl Job {
         for model in &models {
             model.check_grid(&grid)?;
         }
-        let chart = match (grid.stiffness_penalties.len(), grid.ratios.len()) {
-            (1, _) => Chart::None,
-            (_, ratios) if ratios <= MOST_CURVES => Chart::Curves,
-            _ if beta_s.log && ratio.log => Chart::Map,
-            _ => Chart::None,
-        };
+        let chart = Chart::of(&beta_s.values, &ratio.values);
         Ok(Self { stem, models, beta_s, ratio, grid, chart, paired: false })
     }
 

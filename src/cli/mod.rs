@@ -3,20 +3,26 @@
 //! Records go to files or standard output, everything else to standard error. Exit status 0: done, and what was
 //! checked holds; 1: done, and a check did not hold; 2: refused, nothing computed or written.
 
+mod arguments;
 mod impacts;
 mod maps;
 mod options;
 mod output;
 mod peers;
 mod progress;
+mod redraw;
 mod summary;
 
-pub use impacts::{FinishedRun, PlannedRun, exact_energy, exact_force, execute};
+pub use arguments::arguments;
+pub use impacts::{FinishedRun, PlannedRun, exact_energy, exact_force, exact_stress, execute};
 pub use maps::{Chart, Job, Solved, checked_grid, paper};
-pub use options::{Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput};
-pub use output::Output;
+pub use options::{
+    Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput, WidthOption,
+};
+pub use output::{Output, check_stems};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use progress::Progress;
+pub use redraw::{redraw_optimal_ratio, redraw_stability};
 pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};
 
 use std::process::ExitCode;

@@ -4,12 +4,13 @@ use std::fmt::Display;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
 use crate::penalty::PenaltyMass;
 use crate::pencil::Pencil;
+use crate::plot::Width;
 use crate::scene::{MAX_ELEMENTS, Scene, load};
 use crate::schemes::Scheme;
 use crate::spectrum::Engine;
@@ -18,8 +19,8 @@ use crate::stability::{Axis, EngineName, Model, SchemeLimit};
 /// Which scenes, how finely meshed, with which mass.
 #[derive(Debug, Clone, Args)]
 pub struct SceneOptions {
-    /// Scenes: signorini, symmetric, hunek, or the path of a TOML file
-    #[arg(value_name = "SCENE")]
+    /// Scenes: signorini, symmetric, hunek, bouncing-bar, or the path of a TOML file
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
     pub scenes: Vec<String>,
     /// Elements of the first bar; the other bars keep their proportion
     #[arg(long, value_name = "N", value_parser = elements, allow_negative_numbers = true)]
@@ -224,11 +225,14 @@ impl FromStr for RatioSpec {
 #[derive(Debug, Clone, Args)]
 pub struct OutputOptions {
     /// Directory for the files [default: figures/<tool>]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
-    /// What to write: svg, png, pdf, csv, json
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "svg,png,csv")]
+    /// What to write: svg, png, pdf, tex, csv, json, record
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "svg,png,csv,record")]
     pub format: Vec<Format>,
+    /// Printed width of the figures: single (a column, 90 mm) or double (a page, 190 mm) [default: by panels]
+    #[arg(long, value_name = "WIDTH")]
+    pub width: Option<WidthOption>,
     /// Print the records on standard output and write no file
     #[arg(long, value_name = "FORMAT")]
     pub stdout: Option<StandardOutput>,
@@ -243,6 +247,24 @@ pub struct OutputOptions {
     pub quiet: bool,
 }
 
+/// The printed width as typed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum WidthOption {
+    /// One column, 90 mm
+    Single,
+    /// The page, 190 mm
+    Double,
+}
+
+impl From<WidthOption> for Width {
+    fn from(option: WidthOption) -> Self {
+        match option {
+            WidthOption::Single => Self::Single,
+            WidthOption::Double => Self::Double,
+        }
+    }
+}
+
 /// A kind of file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
@@ -252,10 +274,14 @@ pub enum Format {
     Png,
     /// Vector figure with embedded fonts
     Pdf,
+    /// Source for pgfplots, with the records as csv that it reads
+    Tex,
     /// Records
     Csv,
     /// Records with their provenance
     Json,
+    /// Command, revision, scene, engine, time and checks of each figure, as <figure>.record.json
+    Record,
 }
 
 impl Format {
@@ -265,14 +291,16 @@ impl Format {
             Self::Svg => "svg",
             Self::Png => "png",
             Self::Pdf => "pdf",
+            Self::Tex => "tex",
             Self::Csv => "csv",
             Self::Json => "json",
+            Self::Record => "record.json",
         }
     }
 
     /// Whether this is a picture.
     pub fn is_figure(self) -> bool {
-        matches!(self, Self::Svg | Self::Png | Self::Pdf)
+        matches!(self, Self::Svg | Self::Png | Self::Pdf | Self::Tex)
     }
 }
 

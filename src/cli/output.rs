@@ -1,14 +1,17 @@
 //! Files and standard output. Nothing is created before the run has something to write.
 
+use std::collections::{BTreeMap, HashSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 use serde::Serialize;
 
 use super::{Format, OutputOptions, StandardOutput};
 use crate::error::{Error, Refusal, Result};
-use crate::plot::Figure;
-use crate::record::{self, Provenance};
+use crate::plot::{Figure, Width};
+use crate::record::{self, FigureRecord, Provenance, Table};
 
 /// Where a run writes, checked before it computes.
 #[derive(Debug, Clone)]
@@ -17,6 +20,12 @@ pub struct Output {
     formats: Vec<Format>,
     stdout: Option<StandardOutput>,
     provenance: Provenance,
+    width: Option<Width>,
+    begun: Instant,
+    /// The records of the run by their stem: its figures speak of them.
+    tables: Arc<Mutex<BTreeMap<String, Table>>>,
+    /// The file that is drawn again, never to be overwritten.
+    source: Option<PathBuf>,
 }
 
 impl Output {
@@ -38,7 +47,16 @@ impl Output {
             formats: options.format.clone(),
             stdout: options.stdout,
             provenance: Provenance::new(tool, std::env::args().skip(1)),
+            width: options.width.map(Width::from),
+            begun: Instant::now(),
+            tables: Arc::default(),
+            source: None,
         })
+    }
+
+    /// The same output for the figures of the records in `file`, which is left as it is.
+    pub fn redrawing(self, file: &Path) -> Self {
+        Self { source: file.canonicalize().ok(), ..self }
     }
 
     /// Tells on standard error how many files a run has written, if any.
@@ -52,7 +70,7 @@ impl Output {
 
     /// Whether figures are wanted at all.
     pub fn wants_figures(&self) -> bool {
-        self.stdout.is_none() && self.formats.iter().any(|format| format.is_figure())
+        self.file_formats().any(|format| format.is_figure() || format == Format::Record)
     }
 
     /// Whether records go to standard output instead of files.
@@ -87,13 +105,20 @@ impl Output {
     /// What the system says of the file.
     pub fn write_rows<R: Serialize + Clone>(&self, stem: &str, rows: &[R]) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
-        for format in self.file_formats() {
-            let bytes = match format {
-                Format::Csv => record::csv(rows.iter())?,
-                Format::Json => record::json(&self.provenance, rows.iter())?,
-                _ => continue,
-            };
-            written.push(self.write(stem, format.ending(), &bytes)?);
+        // The TeX source of a figure reads the records.
+        if self.writes(Format::Csv) || self.writes(Format::Tex) {
+            written.extend(self.write(stem, Format::Csv.ending(), &record::csv(rows)?)?);
+        }
+        if self.writes(Format::Json) {
+            written.extend(self.write(
+                stem,
+                Format::Json.ending(),
+                &record::json(&self.provenance, rows)?,
+            )?);
+        }
+        if self.wants_figures() && (self.writes(Format::Tex) || self.writes(Format::Record)) {
+            let table = Table::of(format!("{stem}.csv"), &record::csv(rows)?)?;
+            self.tables.lock().unwrap_or_else(PoisonError::into_inner).insert(stem.to_owned(), table);
         }
         Ok(written)
     }
@@ -103,30 +128,75 @@ impl Output {
     /// # Errors
     /// What the system says of the file.
     pub fn write_markdown(&self, stem: &str, text: &str) -> Result<Vec<PathBuf>> {
-        if self.to_stdout() { Ok(Vec::new()) } else { Ok(vec![self.write(stem, "md", text.as_bytes())?]) }
+        if self.to_stdout() {
+            return Ok(Vec::new());
+        }
+        Ok(self.write(stem, "md", text.as_bytes())?.into_iter().collect())
     }
 
-    /// Draws `figure` as `stem.svg`, `stem.png` and `stem.pdf`, as asked for.
+    /// Draws `figure`, which shows the rows of the same stem, in the formats asked for, with its record.
     ///
     /// # Errors
     /// What the drawing layer refuses and what the system says of the file.
     pub fn write_figure(&self, stem: &str, figure: &Figure) -> Result<Vec<PathBuf>> {
-        let mut written = Vec::new();
+        self.write_figure_of(stem, figure, &[stem.to_owned()], None::<[(); 0]>)
+    }
+
+    /// Draws `figure`, which shows the rows written as `sources`; `about` are rows that say more of the same runs.
+    ///
+    /// # Errors
+    /// As [`Self::write_figure`].
+    pub fn write_figure_of<R: Serialize>(
+        &self,
+        stem: &str,
+        figure: &Figure,
+        sources: &[String],
+        about: Option<impl IntoIterator<Item = R>>,
+    ) -> Result<Vec<PathBuf>> {
         // Nothing to show, such as the penetrations of bars that never touch.
         if figure.panels.is_empty() {
-            return Ok(written);
+            return Ok(Vec::new());
         }
-        for format in self.file_formats() {
+        let figure = match self.width {
+            Some(width) => &figure.clone().at_width(width),
+            None => figure,
+        };
+        let data: Vec<Table> = {
+            let tables = self.tables.lock().unwrap_or_else(PoisonError::into_inner);
+            sources.iter().filter_map(|stem| tables.get(stem)).cloned().collect()
+        };
+        let (mut written, mut images) = (Vec::new(), Vec::new());
+        for format in self.file_formats().filter(|format| format.is_figure()) {
             let drawn = match format {
                 Format::Svg => figure.svg().map(String::into_bytes),
                 Format::Png => figure.png(),
                 Format::Pdf => figure.pdf(),
-                _ => continue,
+                Format::Tex => figure.tex(stem, &data).map(|tex| {
+                    images = tex.images;
+                    tex.text.into_bytes()
+                }),
+                Format::Csv | Format::Json | Format::Record => continue,
             };
             let bytes = drawn.map_err(|source| Error::Figure { name: stem.to_owned(), source })?;
-            written.push(self.write(stem, format.ending(), &bytes)?);
+            written.extend(self.write(stem, format.ending(), &bytes)?);
+        }
+        for (name, png) in &images {
+            written.extend(self.write(name, Format::Png.ending(), png)?);
+        }
+        if self.wants_figures() && self.writes(Format::Record) {
+            let about = about.map(|rows| Table::of("", &record::csv(rows)?)).transpose()?;
+            let width = figure.width.millimetres();
+            let mut record = FigureRecord::new(stem, width, self.provenance.clone(), &data, about.as_ref());
+            record.files =
+                written.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect();
+            record.seconds = self.begun.elapsed().as_secs_f64();
+            written.extend(self.write(stem, Format::Record.ending(), &record::figure_json(&record)?)?);
         }
         Ok(written)
+    }
+
+    fn writes(&self, format: Format) -> bool {
+        self.file_formats().any(|wanted| wanted == format)
     }
 
     fn file_formats(&self) -> impl Iterator<Item = Format> {
@@ -134,16 +204,36 @@ impl Output {
     }
 
     /// Writes a file whole or not at all: to a neighbour first, then renamed.
-    fn write(&self, stem: &str, ending: &str, bytes: &[u8]) -> Result<PathBuf> {
+    fn write(&self, stem: &str, ending: &str, bytes: &[u8]) -> Result<Option<PathBuf>> {
         let path = self.directory.join(format!("{stem}.{ending}"));
+        if self.source.is_some() && path.canonicalize().ok() == self.source {
+            return Ok(None);
+        }
         let draft = self.directory.join(format!(".{stem}.{ending}.part"));
         let written = std::fs::create_dir_all(&self.directory)
             .and_then(|()| std::fs::write(&draft, bytes))
             .and_then(|()| std::fs::rename(&draft, &path));
         match written {
-            Ok(()) => Ok(path),
+            Ok(()) => Ok(Some(path)),
             Err(source) => Err(Error::File { path, wanted: "written", source }),
         }
+    }
+}
+
+/// Refuses two parts of a run that would write the same files; the records of both may well be printed.
+///
+/// # Errors
+/// Names the first name of a file that comes twice.
+pub fn check_stems(options: &OutputOptions, stems: impl Iterator<Item = String>) -> Result<(), Refusal> {
+    let mut known = HashSet::new();
+    let mut stems = stems.filter(|_| options.stdout.is_none());
+    match stems.find(|stem| !known.insert(stem.clone())) {
+        None => Ok(()),
+        Some(stem) => Err(Refusal::new(
+            "SCENE, --mass or a list",
+            format!("a second run that writes {stem}"),
+            "scenes of different names and lists without repetition, or --stdout",
+        )),
     }
 }
 

@@ -193,12 +193,25 @@ pub fn print_impacts(rows: &[ImpactRow]) {
             short(row.ratio.0),
             optional(row.force_error),
             optional(row.steady_relative_gap),
-            row.energy_ratio.map_or("-".to_owned(), |x| format!("{:.6}", x.0)),
+            row.energy_ratio.map_or("-".to_owned(), |x| ratio(x.0)),
             row.switches.to_string(),
             row.ending.clone(),
         ]
     };
     print_table(&header, rows.iter().map(cells));
+    let blown_up = rows.iter().filter(|row| row.ending.starts_with("blew up")).count();
+    if blown_up > 0 {
+        let all = rows.len();
+        eprintln!(
+            "{blown_up} of {all} runs blew up, so that they have no errors and are in no figure: \
+             their step is too large for the scheme; a smaller --relative-courant or --ratio helps"
+        );
+    }
+}
+
+/// A ratio that is near 1 where all is well, and may be any number where it is not.
+fn ratio(x: f64) -> String {
+    if (1e-3..1e4).contains(&x) { format!("{x:.6}") } else { format!("{x:.4e}") }
 }
 
 /// Prints a plain table on standard error, as wide as its content.

@@ -280,6 +280,30 @@ impl Exact {
         Some(side.hand * side.bar.density * side.bar.wave_speed() * (away - back))
     }
 
+    /// The contact force over time as a line (t, N) whose jumps are two points at the same time.
+    pub fn force_line(&self) -> Vec<(f64, f64)> {
+        let ends = self.pieces.iter().skip(1).map(|piece| piece.start).chain([self.duration]);
+        let line = |(piece, end): (&Piece, f64)| {
+            [(piece.start, piece.force.value), (end, piece.force.at(end - piece.start))]
+        };
+        self.pieces.iter().zip(ends).flat_map(line).collect()
+    }
+
+    /// The stress of `bar` at time t as a line (m from its left end, Pa) whose jumps are two points at the same place.
+    pub fn stress_line(&self, bar: usize, t: f64) -> Vec<(f64, f64)> {
+        let Some((_, side)) = self.side(bar) else { return Vec::new() };
+        let fronts = self.fronts(side, t);
+        let line = |pair: &[f64]| {
+            // Linear between two breaks, so two points within give the values at the ends.
+            let (from, width) = (pair[0], pair[1] - pair[0]);
+            let at = |share: f64| self.stress(bar, from + share * width, t).unwrap_or(f64::NAN);
+            let (near, far) = (at(0.25), at(0.75));
+            let slope = far - near;
+            [(from, near - 0.5 * slope), (pair[1], far + 0.5 * slope)]
+        };
+        fronts.windows(2).filter(|pair| pair[0] < pair[1]).flat_map(line).collect()
+    }
+
     /// Kinetic and strain energy of all bars at time t, J.
     pub fn energies(&self, t: f64) -> (f64, f64) {
         let mut total = (0.0, 0.0);

@@ -54,7 +54,7 @@ impl Run {
     /// The run of `model` with (beta_s, r) at C = 1/2 and theta = 1/2 over the duration of its scene.
     ///
     /// # Errors
-    /// Refuses penalties that f64 cannot hold, a scene without `[impact]`, and more than [`MAX_STEPS`] steps.
+    /// Refuses penalties that f64 cannot hold and a scene without `[impact]`.
     pub fn new(
         model: Model,
         scheme: Scheme,
@@ -64,7 +64,8 @@ impl Run {
         model.check(beta_s, ratio)?;
         let Some(impact) = model.scene().impact() else {
             let place = format!("scene {}, impact", model.scene().name());
-            return Err(Refusal::new(place, "no [impact]", "a duration (s), which time stepping needs"));
+            let allowed = "an [impact] table with a duration (s), which time stepping needs";
+            return Err(Refusal::new(place, "no [impact]", allowed));
         };
         let run = Self {
             duration: impact.duration,
@@ -82,7 +83,7 @@ impl Run {
     /// The same run with dt = C dt_cr, dt_cr of the contact-free scene.
     ///
     /// # Errors
-    /// Refuses a C that is not positive and finite, and more than [`MAX_STEPS`] steps.
+    /// Refuses a C that is not positive and finite.
     pub fn with_relative_courant(self, relative_courant: f64) -> Result<Self, Refusal> {
         Self { relative_courant, ..self }.checked()
     }
@@ -98,7 +99,7 @@ impl Run {
     /// The same run over another duration, s.
     ///
     /// # Errors
-    /// Refuses a duration that is not positive and finite, and more than [`MAX_STEPS`] steps.
+    /// Refuses a duration that is not positive and finite.
     pub fn with_duration(self, duration: f64) -> Result<Self, Refusal> {
         Self { duration, ..self }.checked()
     }
@@ -121,13 +122,29 @@ impl Run {
             return Err(Refusal::new("theta", self.theta, "a number in [0, 1]"));
         }
         self.check_energy()?;
-        let steps = self.duration / self.time_step();
+        Ok(self)
+    }
+
+    /// What [`Run::execute`] refuses before the first step: it depends on duration, step and recording together.
+    ///
+    /// # Errors
+    /// More than [`MAX_STEPS`] steps, a recording every 0 steps, and the stress at a time outside the run.
+    pub fn check(&self, recording: &Recording) -> Result<(), Refusal> {
+        let (duration, steps) = (self.duration, self.duration / self.time_step());
         if steps > MAX_STEPS {
-            let value =
-                format!("{:e}, which makes {steps:.3e} steps of {:e} s", self.duration, self.time_step());
+            let value = format!("{duration:e}, which makes {steps:.3e} steps of {:e} s", self.time_step());
             return Err(Refusal::new("duration", value, format!("at most {MAX_STEPS:e} steps")));
         }
-        Ok(self)
+        if recording.every == 0 {
+            return Err(Refusal::new("steps between records", 0, "at least 1"));
+        }
+        match recording.stress_times.iter().find(|time| !(0.0..=duration).contains(*time)) {
+            Some(time) => {
+                let allowed = format!("a time in the run, from 0 to {duration:e} (s)");
+                Err(Refusal::new("stress time", time, allowed))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Refuses velocities whose energy f64 cannot hold, with room for the work of the contacts.
@@ -209,11 +226,9 @@ impl Run {
     /// Steps through the run. A run that blows up or is stopped returns what it has, and says so.
     ///
     /// # Errors
-    /// As [`Run::prepare`]; refuses a recording every 0 steps.
+    /// As [`Run::prepare`] and [`Run::check`].
     pub fn execute(&self, recording: &Recording, progress: Option<Progress>) -> Result<History, Refusal> {
-        if recording.every == 0 {
-            return Err(Refusal::new("steps between records", 0, "at least 1"));
-        }
+        self.check(recording)?;
         let (mut stepper, mut state) = self.prepare(recording.energies)?;
         let mut recorder = Recorder::new(self, recording);
         let ending = self.advance(&mut stepper, &mut state, &mut recorder, progress);
@@ -294,7 +309,7 @@ struct Recorder<'a> {
 impl<'a> Recorder<'a> {
     fn new(run: &Run, recording: &'a Recording) -> Self {
         let mesh = Mesh::new(run.model.scene());
-        let nearest = |time: &f64| (time / run.time_step()).round().clamp(0.0, run.steps() as f64) as u64;
+        let nearest = |time: &f64| (time / run.time_step()).round() as u64;
         let mut stress_steps: Vec<u64> = recording.stress_times.iter().map(nearest).collect();
         stress_steps.sort_unstable();
         let history = History {

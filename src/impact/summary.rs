@@ -1,10 +1,11 @@
 //! A run in a few numbers.
 
-use super::{Exact, History, Run};
+use super::{Ending, Exact, History, Run};
 use crate::scene::ContactSite;
 use crate::schemes::{ContactSearch, Scheme};
 
-/// What the summary table shows of a run; `None` where there is no exact solution or nothing to divide by.
+/// What the summary table shows of a run; `None` where there is no exact solution or nothing to divide by, and for a run
+/// that blew up: its last rows are noise of any size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {
     /// rms of force minus exact force over the rows, over the peak exact force. Sampled once a step if the recording
@@ -23,6 +24,10 @@ pub struct Summary {
 impl Summary {
     /// The summary of `history`, which `run` has left.
     pub fn of(run: &Run, history: &History) -> Self {
+        if matches!(history.ending, Ending::BlewUp { .. }) {
+            let switches = history.switches;
+            return Self { force_error: None, steady_relative_gap: None, energy_ratio: None, switches };
+        }
         let exact = Exact::of(run.model().scene(), run.duration());
         let exact = exact.as_ref();
         Self {

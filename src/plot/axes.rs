@@ -25,10 +25,15 @@ pub(super) fn draw_axes(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(),
     vertical_axis(canvas, &panel.y, &placed.y_ticks, rect, Edge::Left, at)?;
     if let Some(title) = &panel.title {
         let line = canvas.fonts().line(title, TITLE_SIZE)?;
-        let at = (rect.centre().0, rect.top - 2.0 * GAP);
+        let at = (rect.centre().0, rect.top - title_rise(line.width, rect.width()));
         canvas.text(&plain(&line, at, Anchor::BOTTOM));
     }
     Ok(())
+}
+
+/// How far above the frame the baseline of a title lies; one that is wider than its frame clears the tick labels.
+pub(super) fn title_rise(title: f64, frame: f64) -> f64 {
+    2.0 * GAP + if title > frame { text_height(TICK_SIZE) / 2.0 } else { 0.0 }
 }
 
 /// Draws the colour bar with its ticks and label.
@@ -149,6 +154,6 @@ pub(super) fn plain(line: &Line, at: Point, anchor: Anchor) -> Text<'_> {
 }
 
 /// The power of ten taken out of tick labels, as it is written at the end of an axis.
-fn power_note(ticks: &Ticks) -> Option<String> {
+pub(super) fn power_note(ticks: &Ticks) -> Option<String> {
     ticks.power.map(|power| format!("×{}", power_of_ten(power)))
 }

@@ -25,10 +25,22 @@ pub(super) fn colour(map: ColourMap, share: f64) -> Colour {
 /// Draws cells with centres `x`, `y`, coloured by where their values lie in `range`.
 pub(super) fn draw_cells(
     canvas: &mut Canvas,
+    place: (&Panel, &Frame),
+    cells: (&[f64], &[f64], &[f64]),
+    colours: (ColourMap, Interval),
+) -> Result<(), PlotError> {
+    if let Some((png, place)) = cells_image(place, cells, colours)? {
+        canvas.image(&png, place);
+    }
+    Ok(())
+}
+
+/// The cells as PNG with their place on the page; `None` if the frame shows none of them.
+pub(super) fn cells_image(
     (panel, frame): (&Panel, &Frame),
     (x, y, values): (&[f64], &[f64], &[f64]),
     (map, range): (ColourMap, Interval),
-) -> Result<(), PlotError> {
+) -> Result<Option<(Vec<u8>, Rect)>, PlotError> {
     check(&panel.x, x)?;
     check(&panel.y, y)?;
     if values.len() != x.len() * y.len() {
@@ -41,7 +53,7 @@ pub(super) fn draw_cells(
     let columns = Samples::new(&across, rect.left, rect.right);
     let rows = Samples::new(&up, -rect.bottom, -rect.top);
     if columns.cells.is_empty() || rows.cells.is_empty() {
-        return Ok(());
+        return Ok(None);
     }
     let height = rows.cells.len();
     let png = picture(columns.cells.len() as u32, height as u32, |column, row| {
@@ -49,8 +61,7 @@ pub(super) fn draw_cells(
         colour(map, range.position(values[j * x.len() + i]))
     })?;
     let place = Rect { left: columns.from, top: -rows.to, right: columns.to, bottom: -rows.from };
-    canvas.image(&png, place);
-    Ok(())
+    Ok(Some((png, place)))
 }
 
 fn check(axis: &Axis, centres: &[f64]) -> Result<(), PlotError> {

@@ -1,6 +1,7 @@
 //! The charts of the tools, made of records only.
 
-use super::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Width, literal};
+use super::isolines::isolines;
+use super::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Side, Width, literal};
 use crate::record::{OptimalRatioRow, StabilityRow};
 
 /// Label of the critical Courant number.
@@ -19,9 +20,29 @@ pub fn curves(models: &[Vec<StabilityRow>], log: bool) -> Figure {
         let x = if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
         let layer = |curve: Drawn| Layer::curve(curve.points, curve.label, styles.style(curve.ratio));
         let y = Axis { range, ..Axis::linear(COURANT) };
-        Panel::new(x, y, curves.into_iter().map(layer).collect()).titled(title(rows))
+        let stable = stable_side(&curves);
+        let layers = stable.into_iter().chain(curves.into_iter().map(layer));
+        Panel::new(x, y, layers.collect()).titled(title(rows))
     });
     figure(panels.collect())
+}
+
+/// The side below all curves, where every step is stable.
+fn stable_side(curves: &[Drawn]) -> Option<Layer> {
+    let mut points = curves.first()?.points.clone();
+    for (i, (beta_s, lowest)) in points.iter_mut().enumerate() {
+        for curve in curves {
+            // Curves of other abscissae have no common envelope; a gap in one is a gap of the shade.
+            let (other, value) = *curve.points.get(i)?;
+            if other != *beta_s {
+                return None;
+            }
+            *lowest = if value < *lowest || value.is_nan() { value } else { *lowest };
+        }
+    }
+    let drawable = points.iter().filter(|point| point.1.is_finite()).count() > 1;
+    let label = if curves.len() == 1 { "stable" } else { "stable for all *r* shown" };
+    drawable.then(|| Layer::Shade { points, side: Side::Below, label: Some(label.to_owned()) })
 }
 
 /// A curve as it is drawn.
@@ -94,7 +115,22 @@ fn shared_range(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)>
     (air > 0.0).then_some((low - air, high + air))
 }
 
-/// The rows of one model as curves (r, points), in their order.
+/// Whether values are spread more evenly over a logarithmic axis than over a linear one.
+pub fn is_logarithmic(values: &[f64]) -> bool {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    // The largest gap as a share of the whole range.
+    let unevenness = |of: fn(f64) -> f64| {
+        let gaps = values.windows(2).map(|pair| of(pair[1]) - of(pair[0]));
+        gaps.fold(0.0, f64::max) / (of(values[values.len() - 1]) - of(values[0]))
+    };
+    let positive = values.first().is_some_and(|least| *least > 0.0);
+    positive
+        && values.iter().all(|value| value.is_finite())
+        && unevenness(f64::ln) < unevenness(|value| value)
+}
+
+/// The rows of one model as curves (r, points), in their order, the points of each by increasing beta_s.
 pub(super) fn curves_of(rows: &[StabilityRow]) -> Vec<(f64, Vec<(f64, f64)>)> {
     let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
     for row in rows {
@@ -104,6 +140,7 @@ pub(super) fn curves_of(rows: &[StabilityRow]) -> Vec<(f64, Vec<(f64, f64)>)> {
             _ => curves.push((row.ratio.0, vec![point])),
         }
     }
+    curves.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
     curves
 }
 
@@ -134,17 +171,44 @@ pub fn levels(rows: &[StabilityRow]) -> Vec<f64> {
 /// Contour lines of one model: the level and the points (beta_s, r) of its line.
 pub type ContourLines = Vec<(f64, Vec<(f64, f64)>)>;
 
+/// The contour lines of the rows of one model, interpolated on their grid; what [`map`] draws where the exact lines
+/// are not known.
+pub fn interpolated_contours(rows: &[StabilityRow]) -> ContourLines {
+    let grid = MapGrid::of(rows);
+    let lines = |level: f64| {
+        let lines = isolines(&grid.x, &grid.y, &grid.values, level);
+        lines.into_iter().map(move |line| (level, line))
+    };
+    levels(rows).into_iter().flat_map(lines).collect()
+}
+
+/// The rows of one model as a grid with increasing axes.
+struct MapGrid {
+    /// beta_s.
+    x: Vec<f64>,
+    /// r.
+    y: Vec<f64>,
+    /// C_r, row by row of constant r.
+    values: Vec<f64>,
+}
+
+impl MapGrid {
+    fn of(rows: &[StabilityRow]) -> Self {
+        let mut curves = curves_of(rows);
+        curves.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self {
+            x: curves.first().map_or_else(Vec::new, |(_, points)| points.iter().map(|(b, _)| *b).collect()),
+            y: curves.iter().map(|(ratio, _)| *ratio).collect(),
+            values: curves.iter().flat_map(|(_, points)| points.iter().map(|(_, c)| *c)).collect(),
+        }
+    }
+}
+
 /// C_r as colours over (beta_s, r), both logarithmic, with contour lines; one panel a model.
 pub fn map(models: &[Vec<StabilityRow>], contours: &[ContourLines]) -> Figure {
     let panels = models.iter().zip(contours).map(|(rows, lines)| {
-        let curves = curves_of(rows);
-        let x: Vec<f64> =
-            curves.first().map_or_else(Vec::new, |(_, points)| points.iter().map(|(b, _)| *b).collect());
-        let cells = Layer::Cells {
-            x,
-            y: curves.iter().map(|(ratio, _)| *ratio).collect(),
-            values: curves.iter().flat_map(|(_, points)| points.iter().map(|(_, c)| *c)).collect(),
-        };
+        let MapGrid { x, y, values } = MapGrid::of(rows);
+        let cells = Layer::Cells { x, y, values };
         let contour = |(level, points): &(f64, Vec<(f64, f64)>)| Layer::Contour {
             lines: vec![points.clone()],
             label: Some(number(*level)),
@@ -158,31 +222,51 @@ pub fn map(models: &[Vec<StabilityRow>], contours: &[ContourLines]) -> Figure {
     figure
 }
 
-/// The optimal ratio over beta_s, one curve a mass matrix: its value beside the expected one, and how far the proven
-/// bounds lie from it.
-pub fn optimal_ratio(models: &[Vec<OptimalRatioRow>], expected: &[f64], log: bool) -> Figure {
+/// The optimal ratio over beta_s, one curve a mass matrix, and the width of its enclosure. Where no ratio costs a step,
+/// or every one does, there is no curve; `None` if that is everywhere.
+pub fn optimal_ratio(models: &[Vec<OptimalRatioRow>], log: bool) -> Option<Figure> {
     let x = || if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
-    let (mut values, mut widths) = (Vec::new(), Vec::new());
-    for (style, (rows, expected)) in models.iter().zip(expected).enumerate() {
-        let found =
-            || rows.iter().filter_map(|row| Some((row.stiffness_penalty.0, row, row.optimal_ratio?.0)));
-        let name = rows.first().map_or(String::new(), |row| literal(&row.mass));
-        let width = |row: &OptimalRatioRow| Some(row.upper?.0 - row.lower?.0);
-        values.push(Layer::curve(found().map(|(b, _, r)| (b, r / expected)).collect(), &name, style));
-        widths.push(Layer::curve(
-            found().filter_map(|(b, row, _)| Some((b, width(row)?))).collect(),
-            name,
-            style,
-        ));
+    let (mut values, mut widths, mut found) = (Vec::new(), Vec::new(), Vec::new());
+    for (style, rows) in models.iter().enumerate() {
+        // Where every ratio costs a step, the largest that does not is 0.
+        let some = |row: &&OptimalRatioRow| row.optimal_ratio.is_some_and(|ratio| ratio.0 > 0.0);
+        let mut rows: Vec<&OptimalRatioRow> = rows.iter().filter(some).collect();
+        rows.sort_by(|a, b| a.stiffness_penalty.0.total_cmp(&b.stiffness_penalty.0));
+        let Some(first) = rows.first() else { continue };
+        let name = literal(&first.mass);
+        let curve = |of: fn(&OptimalRatioRow) -> Option<f64>| {
+            rows.iter().map(|row| (row.stiffness_penalty.0, of(row).unwrap_or(f64::NAN))).collect::<Vec<_>>()
+        };
+        let ratios = curve(|row| Some(row.optimal_ratio?.0));
+        found.extend(ratios.iter().map(|(_, ratio)| *ratio));
+        values.push(Layer::curve(ratios, &name, style));
+        // An enclosure of no width has no place on a logarithmic axis.
+        let width = curve(|row| Some(row.upper?.0 - row.lower?.0).filter(|width| *width > 0.0));
+        if width.iter().any(|(_, width)| width.is_finite()) {
+            widths.push(Layer::curve(width, name, style));
+        }
     }
-    let scene = models.first().and_then(|rows| rows.first()).map_or("", |row| row.scene.as_str());
-    let y = Axis::linear("optimal *r* / expected *r*").over(0.9, 1.1);
-    let ratio = Panel::new(x(), y, values).titled(literal(&scene_name(scene)));
-    let width =
-        Panel::new(x(), Axis::log("width of the enclosure of *r*"), widths).titled("proven to within");
-    let mut figure = figure(vec![ratio, width]);
+    let row = models.iter().flatten().next()?;
+    let of_scheme = matches!(row.limit, "predictor-corrector" | "park");
+    let (least, most) =
+        found.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), r| (low.min(*r), high.max(*r)));
+    let (y, title) = if of_scheme {
+        let title = format!("{}, {}", scene_name(&row.scene), limit_name(row.limit));
+        (Axis::linear("largest *r* without cost").over(0.0, 1.5), title)
+    } else {
+        (Axis::linear("optimal ratio *r*").over(0.9 * least, 1.1 * most), scene_name(&row.scene))
+    };
+    if values.is_empty() {
+        return None;
+    }
+    let mut panels = vec![Panel::new(x(), y, values).titled(literal(&title))];
+    if !widths.is_empty() {
+        let y = Axis::log("width of the enclosure of *r*");
+        panels.push(Panel::new(x(), y, widths).titled("proven to within"));
+    }
+    let mut figure = figure(panels);
     figure.naming = Naming::Legend;
-    figure
+    Some(figure)
 }
 
 /// The same figure with whose limit each panel shows in its title.
@@ -201,32 +285,6 @@ fn limit_name(limit: &str) -> String {
         "park" => "Park".to_owned(),
         other => other.to_owned(),
     }
-}
-
-/// The optimal ratio of a scheme over beta_s, one curve a mass matrix, and the width of its enclosure. Where no ratio
-/// costs a step the curve ends.
-pub fn optimal_scheme_ratio(models: &[Vec<OptimalRatioRow>], log: bool) -> Figure {
-    let x = || if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
-    let (mut values, mut widths) = (Vec::new(), Vec::new());
-    for (style, rows) in models.iter().enumerate() {
-        let found = || rows.iter().filter_map(|row| Some((row, row.optimal_ratio?.0)));
-        let name = rows.first().map_or(String::new(), |row| literal(&row.mass));
-        let width = |row: &OptimalRatioRow| Some(row.upper?.0 - row.lower?.0);
-        let points = found().map(|(row, r)| (row.stiffness_penalty.0, r)).collect();
-        values.push(Layer::curve(points, &name, style));
-        let points = found().filter_map(|(row, _)| Some((row.stiffness_penalty.0, width(row)?))).collect();
-        widths.push(Layer::curve(points, name, style));
-    }
-    let first = models.first().and_then(|rows| rows.first());
-    let title =
-        first.map_or(String::new(), |row| format!("{}, {}", scene_name(&row.scene), limit_name(row.limit)));
-    let y = Axis::linear("largest *r* without cost").over(0.0, 1.5);
-    let ratio = Panel::new(x(), y, values).titled(literal(&title));
-    let width =
-        Panel::new(x(), Axis::log("width of the enclosure of *r*"), widths).titled("proven to within");
-    let mut figure = figure(vec![ratio, width]);
-    figure.naming = Naming::Legend;
-    figure
 }
 
 /// One panel fits a column, more take the width of the page.

@@ -11,7 +11,7 @@ use super::legend::Legend;
 use super::model::{Figure, Layer, Naming};
 use super::names::{Name, Names, Series, is_series, label_of, place, right_end};
 use super::theme::{
-    BLACK, CASING_STROKE, CURVE_STROKE, GAP, GREY, LABEL_SIZE, LEADER, MARKER, SHADE, THIN_STROKE, WHITE,
+    BLACK, CASING_STROKE, CURVE_STROKE, GAP, GREY, LABEL_SIZE, LEADER, MARKER, PT, SHADE, THIN_STROKE, WHITE,
     series_colour, series_dash, series_shape,
 };
 use super::trace::{Trace, trace};
@@ -20,10 +20,10 @@ use super::trace::{Trace, trace};
 const RULE_DASH: &[f64] = &[0.3, 0.8];
 
 /// A panel ready to be drawn.
-struct Scene<'a> {
-    placed: PlacedPanel<'a>,
+pub(super) struct Scene<'a> {
+    pub(super) placed: PlacedPanel<'a>,
     traces: Vec<Trace>,
-    names: Names,
+    pub(super) names: Names,
 }
 
 impl Scene<'_> {
@@ -34,13 +34,13 @@ impl Scene<'_> {
 }
 
 /// A figure ready to be drawn.
-struct Page<'a> {
-    scenes: Vec<Scene<'a>>,
-    bar: Option<PlacedBar<'a>>,
-    legend: Legend<'a>,
-    width: f64,
+pub(super) struct Page<'a> {
+    pub(super) scenes: Vec<Scene<'a>>,
+    pub(super) bar: Option<PlacedBar<'a>>,
+    pub(super) legend: Legend<'a>,
+    pub(super) width: f64,
     /// Without the legend, mm.
-    height: f64,
+    pub(super) height: f64,
 }
 
 impl Figure {
@@ -67,7 +67,7 @@ impl Figure {
     }
 
     /// Finds a place for everything: names beside the lines if all fit, else a legend.
-    fn arrange<'a>(&'a self, fonts: &Fonts) -> Result<Page<'a>, PlotError> {
+    pub(super) fn arrange<'a>(&'a self, fonts: &Fonts) -> Result<Page<'a>, PlotError> {
         let auto = self.naming == Naming::Auto;
         for series in [Series::Ends, Series::Beside].into_iter().filter(|_| auto) {
             let side = match series {
@@ -172,14 +172,22 @@ fn draw_layer(
             canvas.stroke(line, pen)?;
         }
     }
+    // A value alone between gaps of a curve is a dot of the line, not a marker; a curve of one value has only that.
+    let of_line = matches!(layer, Layer::Curve { .. } | Layer::Exact { .. })
+        && (trace.dots.len() > 1 || !trace.lines.is_empty());
     for dot in &trace.dots {
-        draw_dot(canvas, layer, *dot)?;
+        if of_line {
+            let pen = Pen::solid(pen_of(layer).map_or(BLACK, |pen| pen.colour), 0.0);
+            canvas.marker(*dot, CURVE_STROKE * PT / 2.0, series_shape(0), pen)?;
+        } else {
+            draw_dot(canvas, layer, *dot)?;
+        }
     }
     Ok(())
 }
 
 /// The pen of a layer's lines.
-fn pen_of(layer: &Layer) -> Option<Pen> {
+pub(super) fn pen_of(layer: &Layer) -> Option<Pen> {
     match layer {
         Layer::Curve { style, .. } => {
             Some(Pen { colour: series_colour(*style), width: CURVE_STROKE, dash: series_dash(*style) })

@@ -12,7 +12,7 @@ pub struct RunRecord {
     pub stiffness_penalty: f64,
     /// Name of the scheme.
     pub scheme: &'static str,
-    /// The history of the first contact.
+    /// The history of one contact.
     pub history: Vec<HistoryRow>,
     /// The stress at the chosen times.
     pub stress: Vec<StressRow>,
@@ -37,16 +37,19 @@ impl Quantity {
     pub const ALL: [(&'static str, Self); 3] =
         [("force", Self::Force), ("gap", Self::Gap), ("energy", Self::Energy)];
 
-    fn label(self) -> &'static str {
-        match self {
-            Self::Force => "contact force *λ* [N]",
-            Self::Gap => "penetration *g* / *h*",
-            Self::Energy => "kinetic + strain energy [J]",
-        }
+    /// Whether it belongs to a contact, not to the bars.
+    pub fn is_of_contact(self) -> bool {
+        self != Self::Energy
     }
 
-    fn axis(self) -> Axis {
-        if self == Self::Gap { Axis::log(self.label()) } else { Axis::linear(self.label()) }
+    /// The axis; a contact that is one of several is named by its number.
+    fn axis(self, contact: Option<usize>) -> Axis {
+        let index = contact.map_or_else(String::new, |number| format!("_{{{number}}}"));
+        match self {
+            Self::Force => Axis::linear(format!("contact force *λ*{index} [N]")),
+            Self::Gap => Axis::log(format!("penetration *g*{index} / *h*")),
+            Self::Energy => Axis::linear("kinetic + strain energy [J]"),
+        }
     }
 
     /// What is drawn of a row; NaN leaves a gap in the line.
@@ -60,26 +63,28 @@ impl Quantity {
     }
 }
 
-/// One quantity over time.
+/// One quantity over time; `contact` is the number, from 1 at the left, of a contact that is one of several.
 pub fn histories(
     scene: &str,
     mass: &str,
     runs: &[RunRecord],
-    quantity: Quantity,
+    (quantity, contact): (Quantity, Option<usize>),
     exact: &ExactLine,
 ) -> Figure {
     let curve = |run: &RunRecord| run.history.iter().map(|row| (row.time.0, quantity.value(row))).collect();
-    panels(scene, mass, runs, "time *t* [s]", &quantity.axis(), curve, &|_| exact.clone())
+    panels(scene, mass, runs, "time *t* [s]", &quantity.axis(contact), curve, exact)
 }
 
-/// The stress along the bars at the time of the rows.
-pub fn stresses(scene: &str, mass: &str, runs: &[RunRecord]) -> Figure {
+/// The stress along the bars at the time of the rows, beside the `exact` one at that time.
+pub fn stresses(scene: &str, mass: &str, runs: &[RunRecord], exact: &ExactLine) -> Figure {
     let curve = |run: &RunRecord| run.stress.iter().map(|row| (row.position.0, row.stress.0)).collect();
-    let exact = |run: &RunRecord| {
-        let point = |row: &StressRow| Some((row.position.0, row.exact.map(|Number(stress)| stress)?));
-        run.stress.iter().filter_map(point).collect()
-    };
-    panels(scene, mass, runs, "position *x* [m]", &Axis::linear("stress *σ* [Pa]"), curve, &exact)
+    let time = runs.iter().find_map(|run| run.stress.first()).map_or_else(String::new, |row| {
+        // The time of a step carries the rounding of its size.
+        let Number(time) = row.time;
+        format!(", *t* = {} s", number(format!("{time:.3e}").parse().unwrap_or(time)))
+    });
+    let position = format!("position *x* [m]{time}");
+    panels(scene, mass, runs, &position, &Axis::linear("stress *σ* [Pa]"), curve, exact)
 }
 
 fn panels(
@@ -89,7 +94,7 @@ fn panels(
     x: &str,
     y: &Axis,
     curve: impl Fn(&RunRecord) -> Vec<(f64, f64)>,
-    exact: &dyn Fn(&RunRecord) -> ExactLine,
+    exact: &ExactLine,
 ) -> Figure {
     let mut penalties: Vec<f64> = runs.iter().map(|run| run.stiffness_penalty).collect();
     penalties.dedup();
@@ -103,9 +108,8 @@ fn panels(
                 layers.push(Layer::Curve { points, label, style: style(run.scheme) });
             }
         }
-        let points = of_panel.first().map_or_else(Vec::new, |run| exact(run));
-        if !points.is_empty() {
-            layers.push(Layer::Exact { points, label: Some("exact".to_owned()) });
+        if !exact.is_empty() {
+            layers.push(Layer::Exact { points: exact.clone(), label: Some("exact".to_owned()) });
         }
         let title =
             format!("{}, {}, *β*_{{s}} = {}", literal(&scene_name(scene)), literal(mass), number(*beta_s));

@@ -1,5 +1,6 @@
 //! Where everything goes on the page: margins from the measured text, frames from what is left.
 
+use super::axes::title_rise;
 use super::error::PlotError;
 use super::font::Fonts;
 use super::frame::{Frame, Interval, intervals, settle};
@@ -172,7 +173,10 @@ fn common_margins(
         let reach = widest(&x_ticks, fonts)? / 2.0;
         margins.right = margins.right.max(reach);
         let head = match &panel.title {
-            Some(_) => text_height(TITLE_SIZE),
+            Some(title) => {
+                let width = fonts.line(title, TITLE_SIZE)?.width;
+                text_height(TITLE_SIZE) + title_rise(width, size.0) - 2.0 * GAP
+            }
             None if y_ticks.power.is_some() => text_height(TICK_SIZE),
             None => 0.0,
         };

@@ -51,6 +51,11 @@ impl<'a> Legend<'a> {
         Ok(Self { entries, columns, pitch })
     }
 
+    /// The layers listed.
+    pub(super) fn layers(&self) -> impl Iterator<Item = &'a Layer> {
+        self.entries.iter().map(|entry| entry.layer)
+    }
+
     /// Height, mm.
     pub(super) fn height(&self) -> f64 {
         if self.entries.is_empty() {

@@ -13,7 +13,7 @@
 //!     vec![Layer::curve(curve, "*r* = ∞", 0)],
 //! );
 //! let svg = Figure::new(Width::Single, vec![panel]).svg()?;
-//! assert!(svg.contains("width=\"88mm\""));
+//! assert!(svg.contains("width=\"90mm\""));
 //! # Ok::<(), bipenalty::plot::PlotError>(())
 //! ```
 //!
@@ -33,6 +33,7 @@ mod font;
 mod frame;
 mod geometry;
 pub mod impact_charts;
+mod isolines;
 mod layout;
 mod legend;
 mod markup;
@@ -40,6 +41,9 @@ mod model;
 mod names;
 pub mod precision_charts;
 mod search;
+mod tex;
+mod tex_data;
+mod tex_label;
 mod theme;
 mod ticks;
 mod trace;
@@ -53,3 +57,4 @@ pub use markup::literal;
 pub use model::{
     At, Axis, ColourBar, ColourMap, DataPoint, Figure, Layer, Naming, Panel, Scale, Side, Width,
 };
+pub use tex::TexSource;

@@ -3,9 +3,9 @@
 /// Printed width of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Width {
-    /// One column of a journal page, 88 mm.
+    /// One column of a journal page, 90 mm.
     Single,
-    /// The full width of a journal page, 180 mm.
+    /// The full width of a journal page, 190 mm.
     Double,
 }
 
@@ -13,8 +13,8 @@ impl Width {
     /// Width in millimetres.
     pub fn millimetres(self) -> f64 {
         match self {
-            Self::Single => 88.0,
-            Self::Double => 180.0,
+            Self::Single => 90.0,
+            Self::Double => 190.0,
         }
     }
 }
@@ -59,6 +59,20 @@ impl Figure {
             colour_bar: None,
             naming: Naming::Auto,
         }
+    }
+
+    /// The same figure at another width: one panel above the other in a column, one as wide as the page kept low.
+    pub fn at_width(mut self, width: Width) -> Self {
+        /// Height over width of a panel that takes the whole page.
+        const LOW: f64 = 0.4;
+        self.width = width;
+        match width {
+            Width::Single => self.columns = 1,
+            Width::Double if self.columns == 1 && self.panels.len() > 1 => self.columns = 2,
+            Width::Double if self.columns == 1 => self.aspect = self.aspect.min(LOW),
+            Width::Double => (),
+        }
+        self
     }
 }
 

@@ -46,15 +46,15 @@ fn equal_figures_give_equal_bytes() {
 #[test]
 fn every_format_has_the_printed_size() {
     let svg = curves().svg().expect("valid figure");
-    assert!(svg.contains("width=\"88mm\""));
-    // 88 mm at 300 dots per inch, in the header of the PNG.
+    assert!(svg.contains("width=\"90mm\""));
+    // 90 mm at 300 dots per inch, in the header of the PNG.
     let png = curves().png().expect("valid figure");
-    assert_eq!(png[16..20], 1039_u32.to_be_bytes());
+    assert_eq!(png[16..20], 1063_u32.to_be_bytes());
     assert!(png.windows(4).any(|bytes| bytes == b"pHYs"));
-    // 88 mm in points.
+    // 90 mm in points.
     let pdf = curves().pdf().expect("valid figure");
     let text = String::from_utf8_lossy(&pdf);
-    assert!(text.contains("/MediaBox [0 0 249.4"));
+    assert!(text.contains("/MediaBox [0 0 255.1"));
     assert!(text.contains("+DejaVuSans") && text.contains("/FontFile2"));
 }
 

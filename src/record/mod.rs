@@ -1,15 +1,21 @@
 //! What a run leaves behind: typed rows, written as CSV or JSON, and where they come from.
 
+mod figure_record;
 mod impact_rows;
 mod precision_rows;
 mod provenance;
+mod read;
 mod rows;
+mod table;
 mod verify_rows;
 
+pub use figure_record::{Check, DataFile, FigureRecord};
 pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
 pub use precision_rows::{ExtremeRow, NumberOrRefusal, WorkRow};
 pub use provenance::Provenance;
+pub use read::{optimal_ratio_rows, stability_rows};
 pub use rows::{Number, OptimalRatioRow, StabilityRow};
+pub use table::Table;
 pub use verify_rows::VerifyRow;
 
 use serde::Serialize;
@@ -40,8 +46,19 @@ pub fn json<R: Serialize>(provenance: &Provenance, rows: impl IntoIterator<Item 
         provenance: &'a Provenance,
         rows: Vec<R>,
     }
-    let document = Document { provenance, rows: rows.into_iter().collect() };
-    let mut text = serde_json::to_vec_pretty(&document).map_err(|e| Error::Record(e.to_string()))?;
+    pretty(&Document { provenance, rows: rows.into_iter().collect() })
+}
+
+/// The record of a figure as JSON.
+///
+/// # Errors
+/// As [`csv`].
+pub fn figure_json(record: &FigureRecord) -> Result<Vec<u8>> {
+    pretty(record)
+}
+
+fn pretty(document: &impl Serialize) -> Result<Vec<u8>> {
+    let mut text = serde_json::to_vec_pretty(document).map_err(|e| Error::Record(e.to_string()))?;
     text.push(b'\n');
     Ok(text)
 }

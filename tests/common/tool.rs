@@ -96,7 +96,12 @@ pub fn run(scratch: &Scratch, arguments: &str) -> Outcome {
 
 /// Runs the tool in `scratch`; a run that is killed by a signal fails the test.
 pub fn run_words(scratch: &Scratch, words: &[&str]) -> Outcome {
-    let out = Command::new(TOOL).args(words).current_dir(scratch.path()).output().unwrap();
+    run_program(TOOL, scratch, words)
+}
+
+/// Runs another program so.
+pub fn run_program(program: &str, scratch: &Scratch, words: &[&str]) -> Outcome {
+    let out = Command::new(program).args(words).current_dir(scratch.path()).output().unwrap();
     Outcome {
         status: out.status.code().expect("ended by a signal"),
         stdout: String::from_utf8(out.stdout).unwrap(),

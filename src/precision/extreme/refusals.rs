@@ -4,6 +4,7 @@ use super::case::{Case, Found};
 use super::stepping::run;
 use crate::error::Refusal;
 use crate::fem::MassMatrix;
+use crate::impact::{Recording, Run};
 use crate::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use crate::scene::{Bar, End, MAX_ELEMENTS, Scene};
 use crate::schemes::Scheme;
@@ -104,7 +105,7 @@ fn materials() -> Vec<Case> {
 
 fn runs() -> Vec<Case> {
     let shot = |velocity: f64| run(Scheme::PredictorCorrector, 1.0, 1e4, 0.0, velocity);
-    let with = move |change: fn(crate::impact::Run) -> Result<crate::impact::Run, Refusal>| {
+    let with = move |change: fn(Run) -> Result<Run, Refusal>| {
         change(shot(0.1)?).map(|run| run.time_step()).map_err(|refusal| refusal.to_string())
     };
     vec![
@@ -114,7 +115,12 @@ fn runs() -> Vec<Case> {
             with(|run| run.with_relative_courant(f64::NAN))
         }),
         refused("duration-inf", "duration", move || with(|run| run.with_duration(f64::INFINITY))),
-        refused("too-many-steps", "duration", move || with(|run| run.with_duration(1e300))),
+        refused("too-many-steps", "duration", move || {
+            with(|run| {
+                let run = run.with_duration(1e300)?;
+                run.check(&Recording::default()).map(|()| run)
+            })
+        }),
         refused("theta-above-1", "theta", move || with(|run| run.with_theta(1.0 + f64::EPSILON))),
     ]
 }

@@ -1,0 +1,129 @@
+//! The record of a figure: by which command, from which build, of what, and which checks hold.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::{Provenance, Table};
+
+/// What lies beside every figure as `<figure>.record.json`; no path and no user name.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FigureRecord {
+    /// Name of the figure.
+    pub figure: String,
+    /// The pictures.
+    pub files: Vec<String>,
+    /// Printed width, mm.
+    pub width_mm: f64,
+    /// Version of this crate.
+    pub version: &'static str,
+    /// Program, revision, platform and command.
+    #[serde(flatten)]
+    pub provenance: Provenance,
+    /// What is shown: the distinct words of the columns that say so, such as `scene` and `engine`.
+    #[serde(flatten)]
+    pub subject: BTreeMap<String, Vec<String>>,
+    /// The rows that the figure shows.
+    pub data: Vec<DataFile>,
+    /// What was checked of them.
+    pub checks: Vec<Check>,
+    /// Whether every check holds.
+    pub holds: bool,
+    /// From the start of the run to this figure, s.
+    pub seconds: f64,
+}
+
+/// A file of rows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DataFile {
+    /// Name of the CSV file.
+    pub file: String,
+    /// Number of rows.
+    pub rows: usize,
+}
+
+/// A statement about each row, and of how many it is true.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Check {
+    /// The statement.
+    pub check: String,
+    /// Rows it speaks of.
+    pub rows: usize,
+    /// Rows it is true of.
+    pub holds: usize,
+}
+
+/// Columns that say what a row is about.
+const SUBJECT: [&str; 10] =
+    ["scene", "mass", "elements", "limit", "scheme", "contact", "engine", "family", "problem", "method"];
+/// What the engine of a value without proof is followed by.
+const UNCERTIFIED: &str = ", not certified";
+
+impl FigureRecord {
+    /// The record of `figure`, drawn from `data`; `about` are rows that say more of the same runs.
+    pub fn new(
+        figure: &str,
+        width_mm: f64,
+        provenance: Provenance,
+        data: &[Table],
+        about: Option<&Table>,
+    ) -> Self {
+        let all = || data.iter().chain(about);
+        let mut subject: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for name in SUBJECT {
+            for word in all().filter_map(|table| table.column(name)).flatten() {
+                let words = subject.entry(name.to_owned()).or_default();
+                let word = word.trim_end_matches(UNCERTIFIED).to_owned();
+                if !words.contains(&word) {
+                    words.push(word);
+                }
+            }
+        }
+        let checks: Vec<Check> = all().flat_map(checks).collect();
+        Self {
+            figure: figure.to_owned(),
+            files: Vec::new(),
+            width_mm,
+            version: env!("CARGO_PKG_VERSION"),
+            provenance,
+            subject,
+            data: data.iter().map(|t| DataFile { file: t.file.clone(), rows: t.rows.len() }).collect(),
+            holds: checks.iter().all(|check| check.holds == check.rows),
+            checks,
+            seconds: 0.0,
+        }
+    }
+}
+
+/// What the columns of a table state of its rows: verdicts, enclosures, certificates and endings.
+fn checks(table: &Table) -> Vec<Check> {
+    let mut checks = Vec::new();
+    for name in &table.header {
+        let cells = table.column(name).unwrap_or_default();
+        if !cells.is_empty() && cells.iter().all(|cell| matches!(*cell, "true" | "false")) {
+            checks.push(count(name.clone(), cells, |cell| *cell == "true"));
+        }
+    }
+    if let Some(engines) = table.column("engine") {
+        checks.push(count("certified".to_owned(), engines, |engine| !engine.ends_with(UNCERTIFIED)));
+    }
+    if let Some(endings) = table.column("ending") {
+        checks.push(count("finished".to_owned(), endings, |ending| *ending == "finished"));
+    }
+    checks.extend(enclosure(table));
+    checks
+}
+
+/// Whether the value before the columns `lower` and `upper` lies between them.
+fn enclosure(table: &Table) -> Option<Check> {
+    let lower = table.header.iter().position(|name| name == "lower").filter(|lower| *lower > 0)?;
+    let upper = table.header.iter().position(|name| name == "upper")?;
+    let (value, low, high) = (table.numbers(lower - 1), table.numbers(lower), table.numbers(upper));
+    let rows = value.iter().zip(&low).zip(&high).filter(|((value, _), _)| !value.is_nan());
+    let statement = format!("lower <= {} <= upper", table.header[lower - 1]);
+    Some(count(statement, rows.collect(), |((value, low), high)| low <= value && value <= high))
+}
+
+fn count<C>(check: String, cells: Vec<C>, is_true: impl Fn(&C) -> bool) -> Check {
+    Check { check, rows: cells.len(), holds: cells.iter().filter(|cell| is_true(cell)).count() }
+}

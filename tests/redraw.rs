@@ -1,0 +1,149 @@
+//! `--from FILE.csv`: the figure of earlier records, drawn again.
+
+// A helper that cannot go on fails its test.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+#[path = "common/tool.rs"]
+mod tool;
+
+use tool::{Outcome, Scratch, run, run_program};
+
+/// What a run drew, and the same drawn from its CSV.
+fn both(
+    scratch: &Scratch,
+    stem: &str,
+    first: Outcome,
+    again: impl Fn(&Scratch, &str) -> Outcome,
+) -> [String; 2] {
+    assert_eq!(first.status, 0, "{}", first.stderr);
+    let out = again(scratch, &format!("--from one/{stem}.csv --format svg,csv --out two --quiet"));
+    assert_eq!((out.status, out.stdout.as_str()), (0, ""), "{}", out.stderr);
+    assert!(scratch.read(&format!("one/{stem}.csv")) == scratch.read(&format!("two/{stem}.csv")), "{stem}");
+    ["one", "two"].map(|folder| String::from_utf8(scratch.read(&format!("{folder}/{stem}.svg"))).unwrap())
+}
+
+#[test]
+fn curves_are_the_same_bytes() {
+    let grids = [
+        "hunek --mass averaged,0.3",
+        "symmetric --mass averaged,0.3 --beta-s log:1e-2:1e4:40 --ratio 3,1,inf",
+        "signorini --mass averaged,0.3 --limit park --beta-s 10,0,1 --ratio 1,2",
+    ];
+    for (i, grid) in grids.into_iter().enumerate() {
+        let scratch = Scratch::new(&format!("curves-{i}"));
+        let scene = grid.split(' ').next().unwrap();
+        for mass in ["averaged", "0.3"] {
+            let first = run(&scratch, &format!("{grid} --format svg,csv --out one --quiet"));
+            let [one, two] = both(&scratch, &format!("{scene}-{mass}"), first, run);
+            assert!(one == two, "{grid}");
+        }
+    }
+}
+
+#[test]
+fn the_figures_of_the_paper_are_the_same_bytes() {
+    let scratch = Scratch::new("paper");
+    run(&scratch, "--mass consistent --format svg,csv --out one --quiet").succeeded();
+    for stem in ["fig1", "fig3-1-consistent", "fig3-100-consistent"] {
+        let first = run(&scratch, "--version");
+        let [one, two] = both(&scratch, stem, first, run);
+        assert!(one == two, "{stem}");
+    }
+}
+
+#[test]
+fn a_map_differs_by_nothing_but_its_contour_lines() {
+    let scratch = Scratch::new("map");
+    let axes = "--beta-s log:1e-3:1e6:91 --ratio log:0.1:1e3:65";
+    let first = run(&scratch, &format!("symmetric --mass lumped {axes} --format svg,csv --out one --quiet"));
+    let [one, two] = both(&scratch, "symmetric-lumped", first, run);
+    // Contour lines are drawn as casing and line, in white and black; the words in their gaps move with them.
+    let image = |svg: &str| svg.lines().find(|line| line.starts_with("<image")).unwrap().to_owned();
+    assert!(image(&one) == image(&two));
+    let labels = |svg: &str| -> Vec<String> {
+        svg.split("aria-label=\"").skip(1).map(|rest| rest.split('"').next().unwrap().to_owned()).collect()
+    };
+    assert_eq!(labels(&one), labels(&two));
+}
+
+#[test]
+fn optimal_ratios_are_the_same_bytes() {
+    let tool = |scratch: &Scratch, arguments: &str| {
+        let words: Vec<&str> = arguments.split_whitespace().collect();
+        run_program(env!("CARGO_BIN_EXE_optimal-ratio"), scratch, &words)
+    };
+    for limit in ["spectrum", "predictor-corrector"] {
+        let scratch = Scratch::new(&format!("ratios-{limit}"));
+        let command =
+            format!("signorini --limit {limit} --beta-s log:1:1e6:7 --format svg,csv --out one --quiet");
+        let first = tool(&scratch, &command);
+        let [one, two] = both(&scratch, "signorini", first, tool);
+        assert!(one == two, "{limit}");
+    }
+}
+
+#[test]
+fn the_source_is_not_touched() {
+    let scratch = Scratch::new("source");
+    run(&scratch, "signorini --mass lumped --beta-s 0,1,2 --format csv --out out --quiet").succeeded();
+    // The same numbers with other line ends: written again they would change.
+    let csv = String::from_utf8(scratch.read("out/signorini-lumped.csv")).unwrap().replace('\n', "\r\n");
+    scratch.write("out/signorini-lumped.csv", &csv);
+    run(&scratch, "--from out/signorini-lumped.csv --out out --format svg,csv --quiet").succeeded();
+    assert!(scratch.read("out/signorini-lumped.csv") == csv.as_bytes());
+    assert!(scratch.files().contains(&"out/signorini-lumped.svg".to_owned()));
+}
+
+#[test]
+fn wrong_records_are_refused_by_line_and_column() {
+    let scratch = Scratch::new("wrong");
+    run(&scratch, "signorini --mass lumped --beta-s 0,1,2 --ratio 1,2 --format csv --out . --quiet")
+        .succeeded();
+    let good = String::from_utf8(scratch.read("signorini-lumped.csv")).unwrap();
+    let files = scratch.files();
+    let cells: Vec<Vec<&str>> = good.lines().map(|line| line.split(',').collect()).collect();
+    // Line (counted from 1), column, what is put there, what the message must say.
+    let wrong = [
+        (1, 5, "beta_s", "the columns scene,mass"),
+        (3, 2, "1.5", "a number in [0, 1]"),
+        (3, 3, "0", "an integer of at least 1"),
+        (4, 4, "euler", "spectrum"),
+        (4, 5, "-1", "at least 0"),
+        (5, 6, "0", "above 0, or inf"),
+        (5, 7, "fast", "positive number"),
+        (6, 8, "2", "lower to upper"),
+        (6, 9, "", "none of the three"),
+        (7, 10, "nan", "positive number"),
+        (7, 0, "", "a word"),
+        (2, 11, "", "a word"),
+        (2, 0, "a,b", "12 columns"),
+    ];
+    for (line, column, value, message) in wrong {
+        let mut cells = cells.clone();
+        cells[line - 1][column] = value;
+        let text: String = cells.iter().map(|row| row.join(",") + "\n").collect();
+        scratch.write("wrong.csv", text);
+        let out = run(&scratch, "--from wrong.csv --out out");
+        assert_eq!((out.status, out.stdout.as_str()), (2, ""), "{value}");
+        let place = format!("wrong.csv, line {line}");
+        assert!(out.stderr.contains(&place) && out.stderr.contains(message), "{}", out.stderr);
+    }
+    let too_few =
+        [("", "line 1"), ("header", "at least one row"), ("row", "at least two stiffness penalties")];
+    for (kind, message) in too_few {
+        let lines = match kind {
+            "" => 0,
+            "header" => 1,
+            _ => 2,
+        };
+        let text: String = good.lines().take(lines).map(|line| format!("{line}\n")).collect();
+        scratch.write("wrong.csv", text);
+        let out = run(&scratch, "--from wrong.csv --out out");
+        assert!(out.status == 2 && out.stderr.contains(message), "{kind}: {}", out.stderr);
+    }
+    assert_eq!(run(&scratch, "--from missing.csv --out out").status, 2);
+    assert_eq!(run(&scratch, "hunek --from signorini-lumped.csv --out out").status, 2);
+    assert_eq!(run(&scratch, "--from signorini-lumped.csv --ratio 2 --out out").status, 2);
+    let left: Vec<String> = scratch.files().into_iter().filter(|name| name != "wrong.csv").collect();
+    assert_eq!(left, files, "nothing is written");
+}
