@@ -6,7 +6,8 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    Output, OutputOptions, Progress, SceneOptions, Verdict, checked_grid, finish, print_table,
+    Contact, OpeningOptions, OpeningPlan, Output, OutputOptions, Progress, SceneOptions, Verdict, checked_grid,
+    finish, print_table,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::verify_charts;
@@ -36,6 +37,11 @@ struct Options {
     /// Relative width to which stepping brackets a limit
     #[arg(long, value_name = "EPS", allow_negative_numbers = true, default_value_t = 1e-6)]
     tolerance: f64,
+    /// Contact: closed (held closed), opening (opens and closes)
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "closed,opening")]
+    contact: Vec<Contact>,
+    #[command(flatten)]
+    opening: OpeningOptions,
     #[command(flatten)]
     output: OutputOptions,
 }
@@ -58,6 +64,26 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<Verdict> {
+    if !options.contact.contains(&Contact::Closed) {
+        let models: Vec<Model> = options.scene.scenes()?.iter().flat_map(|s| options.scene.models(s)).collect();
+        let grid = checked_grid(&options.beta_s, &options.ratio)?;
+        let plan = OpeningPlan::new(&models, &options.scheme, 0.5, &grid, &options.opening)?;
+        let output = Output::prepare(&options.output, "verify-limits")?;
+        if options.output.explain {
+            Output::print_text(&plan.explain())?;
+            return Ok(Verdict::Holds);
+        }
+        let progress = Progress::new(plan.len(), "runs", options.output.quiet);
+        let result = plan.measure(&progress)?;
+        drop(progress);
+        let files = result.write(&output)?;
+        output.print(&result.limits)?;
+        if !options.output.quiet {
+            result.summarise(&plan);
+            output.report(files);
+        }
+        return Ok(if result.holds { Verdict::Holds } else { Verdict::Fails });
+    }
     let grid = checked_grid(&options.beta_s, &options.ratio)?;
     let jobs = plan(options, &grid)?;
     let output = Output::prepare(&options.output, "verify-limits")?;

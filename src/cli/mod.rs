@@ -5,6 +5,7 @@
 
 mod impacts;
 mod maps;
+mod opening;
 mod options;
 mod output;
 mod progress;
@@ -12,6 +13,7 @@ mod summary;
 
 pub use impacts::{FinishedRun, PlannedRun, exact_energy, exact_force, execute};
 pub use maps::{Chart, Job, Solved, checked_grid, paper};
+pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
 pub use options::{Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput};
 pub use output::Output;
 pub use progress::Progress;

@@ -38,6 +38,7 @@ mod legend;
 mod markup;
 mod model;
 mod names;
+pub mod opening_charts;
 mod search;
 mod theme;
 mod ticks;

@@ -1,12 +1,14 @@
 //! What a run leaves behind: typed rows, written as CSV or JSON, and where they come from.
 
 mod impact_rows;
+mod opening_rows;
 mod precision_rows;
 mod provenance;
 mod rows;
 mod verify_rows;
 
 pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
+pub use opening_rows::{OpeningRow, Recommendation, scans};
 pub use precision_rows::{ExtremeRow, NumberOrRefusal};
 pub use provenance::Provenance;
 pub use rows::{Number, OptimalRatioRow, StabilityRow};

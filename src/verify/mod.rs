@@ -14,6 +14,8 @@
 //! them exceeds the third by a factor [`LATE_RISE`]. What growth was seen is reported.
 //! Rigid motion has a constant velocity, so it is no growth, though its displacement grows without bound.
 
+pub mod opening;
+
 use rayon::prelude::*;
 
 use crate::error::Refusal;
