@@ -6,8 +6,8 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    Contact, OpeningOptions, OpeningPlan, Output, OutputOptions, Progress, SceneOptions, Verdict, checked_grid,
-    finish, print_table,
+    Contact, OpeningOptions, OpeningPlan, Output, OutputOptions, Progress, SceneOptions, Verdict,
+    checked_grid, finish, print_table,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::verify_charts;
@@ -65,7 +65,8 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<Verdict> {
     if !options.contact.contains(&Contact::Closed) {
-        let models: Vec<Model> = options.scene.scenes()?.iter().flat_map(|s| options.scene.models(s)).collect();
+        let models: Vec<Model> =
+            options.scene.scenes()?.iter().flat_map(|s| options.scene.models(s)).collect();
         let grid = checked_grid(&options.beta_s, &options.ratio)?;
         let plan = OpeningPlan::new(&models, &options.scheme, 0.5, &grid, &options.opening)?;
         let output = Output::prepare(&options.output, "verify-limits")?;

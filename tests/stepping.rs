@@ -15,6 +15,8 @@ mod digits;
 mod energy;
 #[path = "stepping/limits.rs"]
 mod limits;
+#[path = "stepping/opening.rs"]
+mod opening;
 
 const MASSES: [MassMatrix; 3] = [MassMatrix::LUMPED, MassMatrix::AVERAGED, MassMatrix::CONSISTENT];
 

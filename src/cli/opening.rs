@@ -12,9 +12,7 @@ use crate::record::{OpeningRow, Recommendation, VerifyRow, scans};
 use crate::schemes::Scheme;
 use crate::stability::{Axis, Grid, Model};
 use crate::verify::Point;
-use crate::verify::opening::{
-    Load, LinearLimit, MOST_STEPS, energy_gain, energy_put_in, is_proven,
-};
+use crate::verify::opening::{LinearLimit, Load, MOST_STEPS, energy_gain, energy_put_in, is_proven};
 
 /// How contacts behave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -29,8 +27,12 @@ pub enum Contact {
 #[derive(Debug, Clone, Args)]
 pub struct OpeningOptions {
     /// Opening contact: steps over the predicted limit, each in (0, 1)
-    #[arg(long, value_name = "SPEC", allow_negative_numbers = true,
-        default_value = "0.1,0.2,0.3,0.4,0.5,0.6,0.7,0.8,0.9,0.99")]
+    #[arg(
+        long,
+        value_name = "SPEC",
+        allow_negative_numbers = true,
+        default_value = "0.1,0.2,0.3,0.4,0.5,0.6,0.7,0.8,0.9,0.99"
+    )]
     pub fraction: Axis,
 }
 
@@ -201,7 +203,8 @@ impl OpeningResult {
     pub fn summarise(&self, plan: &OpeningPlan) {
         let header = ["scheme", "mass", "r", "beta_s up to", "C without gain", "energy kept in an impact"];
         let cells = |row: &Recommendation| {
-            let step = if row.relative_courant.0 > 0.0 { digits(row.relative_courant.0) } else { "none".to_owned() };
+            let step =
+                if row.relative_courant.0 > 0.0 { digits(row.relative_courant.0) } else { "none".to_owned() };
             vec![
                 row.scheme.to_owned(),
                 row.mass.clone(),

@@ -195,7 +195,7 @@ pub fn titled_by_limit(mut figure: Figure, panels: &[Vec<StabilityRow>]) -> Figu
 }
 
 /// Whose limit, as a title names it.
-fn limit_name(limit: &str) -> String {
+pub(super) fn limit_name(limit: &str) -> String {
     match limit {
         "central-difference" => "central difference".to_owned(),
         "park" => "Park".to_owned(),

@@ -1,6 +1,6 @@
 //! Where linear stability is not enough: the energy gained from contact that opens and closes, made of records only.
 
-use super::charts::scene_name;
+use super::charts::{limit_name, scene_name};
 use super::{Axis, ColourBar, ColourMap, Figure, Layer, Panel, Width, literal};
 use crate::record::OpeningRow;
 
@@ -30,7 +30,10 @@ pub fn gain_maps(rows: &[OpeningRow]) -> Figure {
         .titled(title(rows, scheme))
     });
     let mut figure = Figure::new(Width::Double, panels.collect());
-    let axis = Axis::log("energy gained / energy put in").over(COLOURS.0, COLOURS.1);
+    // Scene, mass and scheme together do not fit above a third of the page.
+    let scene = rows.first().map_or(String::new(), |row| scene_name(&row.scene));
+    let label = format!("{}: energy gained / put in", literal(&scene));
+    let axis = Axis::log(label).over(COLOURS.0, COLOURS.1);
     figure.colour_bar = Some(ColourBar { axis, map: ColourMap::Viridis });
     figure
 }
@@ -49,6 +52,5 @@ fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
 }
 
 fn title(rows: &[OpeningRow], scheme: &str) -> String {
-    let first = &rows[0];
-    literal(&format!("{}, {}, {scheme}", scene_name(&first.scene), first.mass))
+    literal(&format!("{}, {}", rows[0].mass, limit_name(scheme)))
 }

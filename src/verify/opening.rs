@@ -139,8 +139,7 @@ fn static_strain_energy(scene: &Scene) -> f64 {
 pub struct Gain {
     /// The largest net work of the contacts on the bars over the energy put in; at least 0.
     pub energy_gain: f64,
-    /// Kinetic, strain and penalty energy at the end plus what the load can still give, over the energy put in: 1 for a
-    /// perfect scheme.
+    /// H at the end plus what the load can still give, over the energy put in: 1 for a perfect scheme.
     pub energy_ratio: f64,
     /// How often a contact has opened or closed.
     pub switches: u64,
@@ -182,9 +181,11 @@ pub fn energy_gain(run: &Run, load: Load) -> Result<Gain, Refusal> {
     }
     let end = stepper.energy(&mut state);
     let available = supplied - start.stored();
+    // Without an account of the pullback this is H of the state alone.
+    let bars = end.stored() + end.loss - state.balance_work();
     Ok(Gain {
         energy_gain: gained,
-        energy_ratio: (end.stored() + available - (end.body_work - start.body_work)) / supplied,
+        energy_ratio: (bars + available - (end.body_work - start.body_work)) / supplied,
         switches: state.switches(),
         steps: state.steps(),
     })
