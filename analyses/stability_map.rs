@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use bipenalty::cli::{
     Chart, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress, RatioSpec, SceneOptions, Solved,
-    Verdict, finish, paper, point_answers, print_summaries,
+    Verdict, finish, paper, point_answers, print_summaries, refuse_repeated,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::charts;
@@ -136,24 +136,9 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
     };
     jobs.iter().flat_map(|job| &job.models).try_for_each(|model| options.limit.check(model))?;
     if options.output.stdout.is_none() {
-        check_stems(&jobs)?;
+        refuse_repeated(jobs.iter().map(|job| job.stem.as_str()))?;
     }
     Ok(jobs)
-}
-
-/// Refuses two jobs that would write the same files.
-fn check_stems(jobs: &[Job]) -> Result<()> {
-    let repeated =
-        jobs.iter().enumerate().find(|(i, job)| jobs[..*i].iter().any(|other| other.stem == job.stem));
-    match repeated {
-        None => Ok(()),
-        Some((_, job)) => Err(Refusal::new(
-            "SCENE, --mass",
-            format!("a second run that writes {}", job.stem),
-            "scenes of different names and different mass matrices, or --stdout",
-        )
-        .into()),
-    }
 }
 
 /// Draws the chart of a job from its rows; contour lines come from the secular equation, not from the grid.

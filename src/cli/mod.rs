@@ -10,14 +10,16 @@ mod options;
 mod output;
 mod progress;
 mod summary;
+mod verification;
 
 pub use impacts::{FinishedRun, PlannedRun, exact_energy, exact_force, execute};
 pub use maps::{Chart, Job, Solved, checked_grid, paper};
 pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
 pub use options::{Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput};
-pub use output::Output;
+pub use output::{Output, refuse_repeated};
 pub use progress::Progress;
 pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};
+pub use verification::print_verification;
 
 use std::process::ExitCode;
 

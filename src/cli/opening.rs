@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
 use super::summary::short;
-use super::{Output, Progress, print_table};
+use super::{Output, Progress, print_table, refuse_repeated};
 use crate::error::{Refusal, Result};
 use crate::impact::Run;
 use crate::plot::opening_charts::gain_maps;
@@ -26,15 +26,13 @@ pub enum Contact {
 /// What only contact that opens and closes needs.
 #[derive(Debug, Clone, Args)]
 pub struct OpeningOptions {
-    /// Opening contact: steps over the predicted limit, each in (0, 1)
-    #[arg(
-        long,
-        value_name = "SPEC",
-        allow_negative_numbers = true,
-        default_value = "0.1,0.2,0.3,0.4,0.5,0.6,0.7,0.8,0.9,0.99"
-    )]
-    pub fraction: Axis,
+    /// Opening contact: steps over the predicted limit, each in (0, 1) [default: 0.1 to 0.9 by 0.1, and 0.99]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
+    pub fraction: Option<Axis>,
 }
+
+/// Steps over the predicted limit where nothing else is asked for.
+const FRACTIONS: [f64; 10] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.99];
 
 /// One run below the linear limit.
 struct Case {
@@ -75,10 +73,13 @@ impl OpeningPlan {
         grid: &Grid,
         options: &OpeningOptions,
     ) -> Result<Self, Refusal> {
-        let fractions = &options.fraction.values;
+        let fractions = options.fraction.as_ref().map_or(&FRACTIONS[..], |axis| &axis.values);
         if let Some(wrong) = fractions.iter().find(|f| !(**f > 0.0 && **f < 1.0)) {
             return Err(Refusal::new("--fraction", wrong, "numbers between 0 and 1, both excluded"));
         }
+        refuse_repeated(
+            models.iter().map(|model| format!("opening-{}-{}", model.scene().name(), model.mass().name())),
+        )?;
         let mut plan = Self { cases: Vec::new(), left_out: 0 };
         for model in models {
             model.check_grid(grid)?;

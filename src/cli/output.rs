@@ -160,3 +160,19 @@ fn check_writable(directory: &Path) -> Result<(), Refusal> {
         Err(error) => refuse(error.to_string()),
     }
 }
+
+/// Refuses two runs that would write the same files.
+///
+/// # Errors
+/// Two equal stems, by the options that lead to them.
+pub fn refuse_repeated(stems: impl IntoIterator<Item = impl AsRef<str>>) -> Result<(), Refusal> {
+    let mut known = std::collections::HashSet::new();
+    match stems.into_iter().map(|stem| stem.as_ref().to_owned()).find(|stem| !known.insert(stem.clone())) {
+        None => Ok(()),
+        Some(stem) => Err(Refusal::new(
+            "SCENE, --mass",
+            format!("a second run that writes {stem}"),
+            "scenes of different names and different mass matrices, or --stdout",
+        )),
+    }
+}

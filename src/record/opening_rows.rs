@@ -114,7 +114,9 @@ impl VerifyRow {
             unstable_at: Number(first * contact_free_courant),
             steps: scan.iter().map(|row| row.steps).max().unwrap_or(0),
             growth: Number(strongest.map_or(0.0, growth)),
-            agrees: first.is_infinite(),
+            agrees: Some(first.is_infinite()),
+            predicted_growth: None,
+            steps_needed: None,
         })
     }
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::Number;
 use crate::schemes::Scheme;
 use crate::stability::Model;
-use crate::verify::{Limit, Point};
+use crate::verify::{Limit, Point, Prediction};
 
 /// A predicted limit beside the one that stepping found; Courant numbers are c0 dt/h of the reference element.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -20,7 +20,7 @@ pub struct VerifyRow {
     pub elements: usize,
     /// Name of the scheme.
     pub scheme: &'static str,
-    /// `closed`: the contacts are held closed.
+    /// `closed`: the contacts are held closed; `opening`: they open and close, see [`VerifyRow::opening`].
     pub contact: &'static str,
     /// beta_s.
     pub stiffness_penalty: Number,
@@ -36,8 +36,13 @@ pub struct VerifyRow {
     pub steps: u64,
     /// Growth at `unstable_at`, ln of the factor a step.
     pub growth: Number,
-    /// Whether the prediction lies within the tolerance of the bracket.
-    pub agrees: bool,
+    /// Whether the prediction lies within the tolerance of the bracket; unknown where the predicted growth is too slow
+    /// to be seen and no trial below the prediction grew.
+    pub agrees: Option<bool>,
+    /// Predicted growth at (1 + tolerance) times the predicted limit, ln of the factor a step.
+    pub predicted_growth: Option<Number>,
+    /// Steps of a trial that would show it.
+    pub steps_needed: Option<Number>,
 }
 
 impl VerifyRow {
@@ -46,7 +51,7 @@ impl VerifyRow {
         model: &Model,
         scheme: Scheme,
         point: Point,
-        predicted: f64,
+        predicted: &Prediction,
         found: &Limit,
         tolerance: f64,
     ) -> Self {
@@ -59,12 +64,14 @@ impl VerifyRow {
             contact: "closed",
             stiffness_penalty: Number(point.stiffness_penalty.get()),
             ratio: Number(point.ratio.get()),
-            predicted: Number(predicted),
+            predicted: Number(predicted.courant),
             stable_at: Number(found.stable_at),
             unstable_at: Number(found.unstable_at),
             steps: found.steps,
             growth: Number(found.growth),
-            agrees: found.agrees(predicted, tolerance),
+            agrees: found.judge(predicted, tolerance),
+            predicted_growth: predicted.growth.map(Number),
+            steps_needed: predicted.steps_needed.map(Number),
         }
     }
 }

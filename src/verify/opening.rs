@@ -38,10 +38,9 @@ use crate::impact::{Run, potential_at_start};
 use crate::pencil::{Penalty, Pencil};
 use crate::scene::{Bar, End, Impact, Scene};
 use crate::schemes::Scheme;
-use crate::spectrum::Engine;
-use crate::stability::{EngineName, Model, SchemeLimit};
+use crate::stability::{EngineName, Model};
 
-use super::Point;
+use super::{Point, Predictor};
 
 /// Times that a wave runs through the row of bars under a sustained load.
 pub const TRANSITS: f64 = 20.0;
@@ -204,7 +203,7 @@ pub fn is_proven(model: &Model, scheme: Scheme) -> bool {
 /// The linear limits of one scheme, dt over the contact-free critical step.
 pub struct LinearLimit<'a> {
     model: &'a Model,
-    engine: Box<dyn Engine + 'a>,
+    predictor: Predictor<'a>,
     contact_free: f64,
 }
 
@@ -212,21 +211,17 @@ impl<'a> LinearLimit<'a> {
     /// The limits of `scheme` (averaging `theta` for Park) for `model`, whose pencil is `pencil`.
     ///
     /// # Errors
-    /// What [`SchemeLimit::new`] refuses.
+    /// What [`Predictor::new`] refuses.
     pub fn new(model: &'a Model, pencil: &'a Pencil, scheme: Scheme, theta: f64) -> Result<Self, Refusal> {
-        let engine: Box<dyn Engine> = match scheme {
-            Scheme::CentralDifference => model.engine(EngineName::Auto, None),
-            _ => Box::new(SchemeLimit::new(model, pencil, scheme, theta)?),
-        };
         let open = vec![Penalty::default(); model.scales().len()];
         let contact_free = model.engine(EngineName::Auto, None).estimate(&open, None);
-        Ok(Self { model, engine, contact_free })
+        Ok(Self { model, predictor: Predictor::new(model, pencil, scheme, theta)?, contact_free })
     }
 
     /// The limit of closed contact, or 1 where open contact stands less.
     pub fn relative(&self, point: Point) -> f64 {
         let penalties = self.model.penalties(point.stiffness_penalty, point.ratio);
-        let closed = self.engine.estimate(&penalties, None);
+        let closed = self.predictor.engine().estimate(&penalties, None);
         (self.contact_free / closed.max(self.contact_free)).sqrt()
     }
 
