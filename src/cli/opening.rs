@@ -7,7 +7,7 @@ use super::summary::short;
 use super::{Output, Progress, print_table, refuse_repeated};
 use crate::error::{Refusal, Result};
 use crate::impact::Run;
-use crate::plot::opening_charts::gain_maps;
+use crate::plot::opening_charts::{gain_maps, is_map};
 use crate::record::{OpeningRow, Recommendation, VerifyRow, scans};
 use crate::schemes::Scheme;
 use crate::stability::{Axis, Grid, Model};
@@ -190,9 +190,7 @@ impl OpeningResult {
             return Ok(files);
         }
         for rows in self.rows.chunk_by(|a, b| (&a.scene, &a.mass) == (&b.scene, &b.mass)) {
-            let mut ratios = rows.iter().map(|row| row.ratio.0).filter(|ratio| ratio.is_finite());
-            let first = ratios.next();
-            if ratios.any(|ratio| Some(ratio) != first) {
+            if is_map(rows) {
                 let stem = format!("opening-{}-{}", rows[0].scene, rows[0].mass);
                 files += output.write_figure(&stem, &gain_maps(rows))?.len();
             }

@@ -1,41 +1,81 @@
 //! Where linear stability is not enough: the energy gained from contact that opens and closes, made of records only.
 
 use super::charts::{limit_name, scene_name};
-use super::{Axis, ColourBar, ColourMap, Figure, Layer, Panel, Width, literal};
+use super::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Width, literal};
 use crate::record::OpeningRow;
 
-/// Gains below this have the darkest colour, above the second the lightest.
-const COLOURS: (f64, f64) = (1e-4, 1e2);
+/// Gains below the first have the darkest colour, those above the second the lightest.
+const SHOWN: (f64, f64) = (1e-4, 1e2);
 
-/// The largest gain over all loads and beta_s as colour over C/C_limit and r: the rows of one scene and mass, one panel a
-/// scheme. The pure penalty method, r = inf, has no place on the axis.
+const GAIN: &str = "energy gained / put in";
+const STEP: &str = "step / linear limit";
+
+/// Whether there are enough ratios and steps for a map.
+pub fn is_map(rows: &[OpeningRow]) -> bool {
+    let finite = rows.iter().map(|row| row.ratio.0).filter(|ratio| ratio.is_finite());
+    distinct(finite).len() > 1 && distinct(rows.iter().map(fraction)).len() > 1
+}
+
+/// The largest gain over all loads and beta_s for the rows of one scene and mass, which must make a map: as colour over step and r, one panel
+/// a scheme, and for the pure penalty method, which has no place on the axis of r, as curves over the step. What is out of
+/// the range shown is drawn at its end.
 pub fn gain_maps(rows: &[OpeningRow]) -> Figure {
-    let mut schemes: Vec<&str> = rows.iter().map(|row| row.scheme).collect();
-    schemes.dedup();
-    let panels = schemes.iter().map(|scheme| {
-        let of_scheme: Vec<&OpeningRow> =
-            rows.iter().filter(|row| row.scheme == *scheme && row.ratio.0.is_finite()).collect();
-        let x = distinct(of_scheme.iter().map(|row| fraction(row)));
-        let y = distinct(of_scheme.iter().map(|row| row.ratio.0));
-        let value = |ratio: f64, at: f64| {
-            let here = of_scheme.iter().filter(|row| row.ratio.0 == ratio && fraction(row) == at);
-            here.map(|row| row.energy_gain.0.clamp(COLOURS.0, COLOURS.1)).fold(f64::NAN, f64::max)
+    let schemes = distinct_schemes(rows);
+    let mut panels: Vec<Panel> = schemes.iter().map(|scheme| map_of(rows, scheme)).collect();
+    let pure: Vec<&OpeningRow> = rows.iter().filter(|row| row.ratio.0.is_infinite()).collect();
+    if let Some(first) = pure.first() {
+        let layer = |(style, scheme): (usize, &&str)| {
+            let of_scheme: Vec<&OpeningRow> =
+                pure.iter().filter(|row| row.scheme == *scheme).copied().collect();
+            let steps = distinct(of_scheme.iter().map(|row| fraction(row)));
+            let points =
+                steps.into_iter().map(|at| (at, largest_gain(&of_scheme, |row| fraction(row) == at)));
+            let label = Some(literal(&limit_name(scheme)));
+            Layer::Markers { points: points.collect(), label, style, joined: true }
         };
-        let values = y.iter().flat_map(|r| x.iter().map(|f| value(*r, *f))).collect();
-        Panel::new(
-            Axis::linear("step / linear limit"),
-            Axis::log("penalty ratio *r*"),
-            vec![Layer::Cells { x, y, values }],
-        )
-        .titled(title(rows, scheme))
-    });
-    let mut figure = Figure::new(Width::Double, panels.collect());
-    // Scene, mass and scheme together do not fit above a third of the page.
-    let scene = rows.first().map_or(String::new(), |row| scene_name(&row.scene));
-    let label = format!("{}: energy gained / put in", literal(&scene));
-    let axis = Axis::log(label).over(COLOURS.0, COLOURS.1);
+        let mut layers: Vec<Layer> = schemes.iter().enumerate().map(layer).collect();
+        let counts = 1.0 / first.elements as f64;
+        layers.push(Layer::Rule { at: At::Y(counts), label: Some("one element".to_owned()) });
+        let y = Axis::log(GAIN).over(SHOWN.0 / 2.0, 2.0 * SHOWN.1);
+        panels.push(
+            Panel::new(Axis::linear(STEP).over(0.0, 1.0), y, layers).titled(title(rows, "pure penalty")),
+        );
+    }
+    let mut figure = Figure::new(Width::Double, panels);
+    figure.columns = 2;
+    figure.naming = Naming::Legend;
+    let axis = Axis::log(GAIN).over(SHOWN.0, SHOWN.1);
     figure.colour_bar = Some(ColourBar { axis, map: ColourMap::Viridis });
     figure
+}
+
+/// The map of one scheme over the finite ratios.
+fn map_of(rows: &[OpeningRow], scheme: &str) -> Panel {
+    let of_scheme: Vec<&OpeningRow> =
+        rows.iter().filter(|row| row.scheme == scheme && row.ratio.0.is_finite()).collect();
+    let x = distinct(of_scheme.iter().map(|row| fraction(row)));
+    let y = distinct(of_scheme.iter().map(|row| row.ratio.0));
+    let at =
+        |ratio: f64, step: f64| largest_gain(&of_scheme, |row| row.ratio.0 == ratio && fraction(row) == step);
+    let values = y.iter().flat_map(|ratio| x.iter().map(|step| at(*ratio, *step))).collect();
+    let (low, high) = edges(&x);
+    let (least, most) = edges(&y.iter().map(|ratio| ratio.ln()).collect::<Vec<_>>());
+    let across = Axis::linear(STEP).over(low.max(0.0), high.min(1.0));
+    let up = Axis::log("penalty ratio *r*").over(least.exp(), most.exp());
+    let title = title(rows, &limit_name(scheme));
+    Panel::new(across, up, vec![Layer::Cells { x, y, values }]).titled(title)
+}
+
+/// Half a cell beyond the first and the last of at least two centres.
+fn edges(centres: &[f64]) -> (f64, f64) {
+    let last = centres.len() - 1;
+    (1.5 * centres[0] - 0.5 * centres[1], 1.5 * centres[last] - 0.5 * centres[last - 1])
+}
+
+/// The largest gain of the rows that are `wanted`, within the range shown; NaN if there is none.
+fn largest_gain(rows: &[&OpeningRow], wanted: impl Fn(&OpeningRow) -> bool) -> f64 {
+    let gains = rows.iter().filter(|row| wanted(row)).map(|row| row.energy_gain.0);
+    gains.map(|gain| gain.clamp(SHOWN.0, SHOWN.1)).fold(f64::NAN, f64::max)
 }
 
 /// C/C_limit to nine digits, so that the same fraction of different limits is one column.
@@ -51,6 +91,14 @@ fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
     values
 }
 
-fn title(rows: &[OpeningRow], scheme: &str) -> String {
-    literal(&format!("{}, {}", rows[0].mass, limit_name(scheme)))
+/// The schemes in the order of the rows.
+fn distinct_schemes(rows: &[OpeningRow]) -> Vec<&'static str> {
+    let mut schemes: Vec<&str> = rows.iter().map(|row| row.scheme).collect();
+    schemes.dedup();
+    schemes
+}
+
+fn title(rows: &[OpeningRow], what: &str) -> String {
+    let row = &rows[0];
+    literal(&format!("{}, {}, {what}", scene_name(&row.scene), row.mass))
 }

@@ -23,8 +23,8 @@
 //! # The predictor-corrector gains nothing (one contact, dt^2 s' mu <= 1)
 //! The corrected gap is g = (1 - dt^2 s' mu) g_pred, of the sign of g_pred. So the reaction is lambda = k max(g, 0) with
 //! k = s'/(1 - dt^2 s' mu) >= 0 of the *new* gap: the slope at g of the convex f(g) = k max(g, 0)^2/2. Its balance
-//! has the work lambda_n (g_n - g_{n-2})/2 >= (f(g_n) - f(g_{n-2}))/2, whose sum telescopes: W_n >= (f(g_n) + f(g_{n-1}))/2 >= 0
-//! from an open start, for any sequence of switches. At dt^2 s' mu = 1, f is the barrier g <= 0. The limit of the closed
+//! has the work lambda_n (g_n - g_{n-2})/2 >= (f(g_n) - f(g_{n-2}))/2, whose sum telescopes: from an open start
+//! W_n >= (f(g_n) + f(g_{n-1}))/2 >= 0, for any mass matrix and load and any sequence of switches. At dt^2 s' mu = 1, f is the barrier g <= 0. The limit of the closed
 //! contact is therefore the limit of the scheme.
 //!
 //! # Why central differences do gain
@@ -36,7 +36,7 @@
 use crate::error::Refusal;
 use crate::impact::{Run, potential_at_start};
 use crate::pencil::{Penalty, Pencil};
-use crate::scene::{Bar, End, Impact, Scene};
+use crate::scene::{Bar, ContactSite, End, Impact, Scene};
 use crate::schemes::Scheme;
 use crate::stability::{EngineName, Model};
 
@@ -195,9 +195,19 @@ pub fn least_gain(model: &Model) -> f64 {
     1.0 / model.scene().elements() as f64
 }
 
-/// Whether the predictor-corrector is proven to gain nothing below its limit.
+/// Whether the predictor-corrector is proven to gain nothing below its limit: with one contact that is open at the start
+/// and one step before it.
 pub fn is_proven(model: &Model, scheme: Scheme) -> bool {
-    scheme == Scheme::PredictorCorrector && model.scales().len() == 1
+    let scene = model.scene();
+    let [site] = scene.contact_sites()[..] else { return false };
+    let distance = scene.impact().and_then(|impact| impact.gaps.first()).copied().unwrap_or(0.0);
+    let velocity = |bar: usize| scene.bars()[bar].velocity;
+    let approach = match site {
+        ContactSite::LeftWall => -velocity(0),
+        ContactSite::Between(left) => velocity(left) - velocity(left + 1),
+        ContactSite::RightWall => velocity(scene.bars().len() - 1),
+    };
+    scheme == Scheme::PredictorCorrector && distance >= 0.0 && approach >= 0.0
 }
 
 /// The linear limits of one scheme, dt over the contact-free critical step.
