@@ -19,7 +19,7 @@ use bipenalty::record::{StabilityRow, VerifyRow};
 use bipenalty::scene::{Scene, load};
 use bipenalty::schemes::Scheme;
 use bipenalty::stability::{Axis, Grid, Model, map};
-use bipenalty::verify::{Point, Predictor, Search, limit_near};
+use bipenalty::verify::{Point, Predictor, Search, confirm};
 use clap::Parser;
 use rayon::prelude::*;
 
@@ -250,6 +250,7 @@ fn plan(options: &Options, grid: &Grid) -> Result<Vec<Job>> {
         }
     }
     if options.output.stdout.is_none() {
+        refuse_repeated(scenes.iter().map(Scene::name))?;
         refuse_repeated(jobs.iter().map(|job| job.stem.as_str()))?;
     }
     Ok(jobs)
@@ -264,11 +265,9 @@ fn measure(model: &Model, job: &Job, grid: &Grid, progress: &Progress) -> Result
     let points: Vec<Point> =
         ratios.map(|(ratio, stiffness_penalty)| Point { stiffness_penalty, ratio }).collect();
     let row = |point: &Point| -> Result<VerifyRow> {
-        let predicted = predictor.at(*point, job.tolerance);
-        let search = Search::for_prediction(job.tolerance, job.scheme, &predicted)?;
-        let found = limit_near(model, job.scheme, job.theta, *point, &search, predicted.courant)?;
+        let confirmation = confirm(&predictor, *point, job.tolerance)?;
         progress.add(1);
-        Ok(VerifyRow::new(model, job.scheme, *point, &predicted, &found, job.tolerance))
+        Ok(VerifyRow::new(model, job.scheme, *point, &confirmation))
     };
     points.par_iter().map(row).collect()
 }

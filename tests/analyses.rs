@@ -147,7 +147,10 @@ fn results_do_not_depend_on_the_number_of_threads() {
         (OPTIMAL_RATIO, "hunek --mass lumped --beta-s 1,1e6"),
         (CONTACT_IMPACT, "hunek --mass averaged --beta-s 1e6"),
         (VERIFY_LIMITS, "--mass lumped --beta-s 1,2 --tolerance 1e-3"),
-        (VERIFY_LIMITS, "hunek --contact opening --elements 8 --mass averaged --beta-s 1e4 --fraction 0.4,0.8"),
+        (
+            VERIFY_LIMITS,
+            "hunek --contact opening --elements 8 --mass averaged --beta-s 1e4 --fraction 0.4,0.8",
+        ),
     ];
     for (tool, arguments) in tools {
         let of = |threads: u32| {

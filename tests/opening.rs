@@ -51,7 +51,8 @@ fn limits_and_recommended_steps_follow_from_the_runs() {
     // At r = inf and beta_s = 1e4 the two other schemes stay below a million steps; the Park scheme does not.
     let beside = ["scene", "mass", "scheme", "stiffness_penalty", "ratio"];
     let safe = |of: &[&Row]| {
-        let gaining = of.iter().filter(|row| row["gains"] == "true").map(|row| number(row, "relative_courant"));
+        let gaining =
+            of.iter().filter(|row| row["gains"] == "true").map(|row| number(row, "relative_courant"));
         let first = gaining.fold(f64::INFINITY, f64::min);
         let below = of.iter().map(|row| number(row, "relative_courant")).filter(|c| *c < first);
         (below.fold(0.0, f64::max), first)
@@ -67,7 +68,9 @@ fn limits_and_recommended_steps_follow_from_the_runs() {
         let (last, first) = safe(&scan);
         let courant = number(limit, "predicted") / number(scan[0], "predicted");
         assert!((number(limit, "stable_at") - last * courant).abs() <= 1e-12, "{limit:?} {last}");
-        assert!(first.is_infinite() || (number(limit, "unstable_at") / (first * courant) - 1.0).abs() <= 1e-12);
+        assert!(
+            first.is_infinite() || (number(limit, "unstable_at") / (first * courant) - 1.0).abs() <= 1e-12
+        );
         assert_eq!(limit["agrees"], first.is_infinite().to_string());
         assert_eq!(limit["contact"], "opening");
     }
@@ -75,9 +78,8 @@ fn limits_and_recommended_steps_follow_from_the_runs() {
     assert_eq!(recommended.len(), 2 * 3 * 3);
     for row in &recommended {
         let of_row = limits.iter().filter(|limit| same(limit, row, &["mass", "scheme", "ratio"]));
-        let steps = of_row.map(|limit| {
-            safe(&runs.iter().filter(|run| same(run, limit, &beside)).collect::<Vec<_>>()).0
-        });
+        let steps = of_row
+            .map(|limit| safe(&runs.iter().filter(|run| same(run, limit, &beside)).collect::<Vec<_>>()).0);
         assert_eq!(number(row, "relative_courant"), steps.fold(f64::INFINITY, f64::min), "{row:?}");
     }
     let found = |scheme: &str, ratio: &str| {
@@ -100,7 +102,8 @@ fn the_table_of_the_page_is_what_the_runs_give() {
     };
     let digits = |text: &str| format!("{:.3}", (1e3 * text.parse::<f64>().unwrap()).floor() / 1e3);
     for row in &recommended {
-        let scheme = row["scheme"].replace("central-difference", "central difference").replace("park", "Park");
+        let scheme =
+            row["scheme"].replace("central-difference", "central difference").replace("park", "Park");
         let start = format!("| {scheme} | {} | ", short(&row["ratio"]));
         let line = page.lines().find(|line| line.starts_with(&start));
         let line = line.unwrap_or_else(|| panic!("no line {start}"));

@@ -117,6 +117,7 @@ impl VerifyRow {
             agrees: Some(first.is_infinite()),
             predicted_growth: None,
             steps_needed: None,
+            islands: String::new(),
         })
     }
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::Number;
 use crate::schemes::Scheme;
 use crate::stability::Model;
-use crate::verify::{Limit, Point, Prediction};
+use crate::verify::{Confirmation, Point};
 
 /// A predicted limit beside the one that stepping found; Courant numbers are c0 dt/h of the reference element.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -43,18 +43,16 @@ pub struct VerifyRow {
     pub predicted_growth: Option<Number>,
     /// Steps of a trial that would show it.
     pub steps_needed: Option<Number>,
+    /// Courant numbers between which the scheme is predicted to be stable again above its limit, `low-high`, with blanks
+    /// between; empty if there are none.
+    pub islands: String,
 }
 
 impl VerifyRow {
     /// The row of one point with contacts held closed.
-    pub fn new(
-        model: &Model,
-        scheme: Scheme,
-        point: Point,
-        predicted: &Prediction,
-        found: &Limit,
-        tolerance: f64,
-    ) -> Self {
+    pub fn new(model: &Model, scheme: Scheme, point: Point, confirmation: &Confirmation) -> Self {
+        let Confirmation { predicted, found, agrees } = confirmation;
+        let islands = predicted.islands.iter().map(|(low, high)| format!("{low:.6}-{high:.6}"));
         Self {
             scene: model.scene().name().to_owned(),
             mass: model.mass().name(),
@@ -69,9 +67,10 @@ impl VerifyRow {
             unstable_at: Number(found.unstable_at),
             steps: found.steps,
             growth: Number(found.growth),
-            agrees: found.judge(predicted, tolerance),
+            agrees: *agrees,
             predicted_growth: predicted.growth.map(Number),
             steps_needed: predicted.steps_needed.map(Number),
+            islands: islands.collect::<Vec<_>>().join(" "),
         }
     }
 }

@@ -1,25 +1,31 @@
 //! Stability limits found by stepping alone: no eigenvalue, no amplification matrix, no use of how the matrices look.
 //!
 //! All contacts are held closed. From u = 0 and pseudo-random velocities, which excite every mode, a trial makes
-//! [`Search::steps`] steps and watches the size of the velocities, sqrt(v' diag(M) v). The trial is unstable when that
-//! exceeds its start by the factor
+//! [`Search::steps`] steps and watches the size of the motion,
 //!
 //! ```text
-//! threshold = 1/sqrt(tolerance)
+//! sqrt(v' diag(M) v + u'K u)
 //! ```
-//! Below its limit by the relative distance e, central difference amplitudes reach 1/sqrt(8 e), so that a stable trial is
-//! taken for unstable only where e < tolerance/8. Above it they grow by 2 sqrt(2 e) a step: 9/sqrt(tolerance) steps
+//! which neither the exchange of kinetic and strain energy nor rigid motion moves: rigid motion is no growth, though its
+//! displacement grows without bound. The trial is unstable when the size exceeds its start by the factor
+//!
+//! ```text
+//! threshold = 3/sqrt(tolerance)
+//! ```
+//! Below its limit by the relative distance e, central difference amplitudes reach 1/sqrt(8 e), kinetic and strain energy
+//! alike, and v' diag(M) v is up to three times v'M v: a stable trial is taken for unstable only where e < tolerance/12. Above it they grow by 2 sqrt(2 e) a step: 9/sqrt(tolerance) steps
 //! give e^18 at e = tolerance/2. The other schemes damp what reaches the contact and grow by about e a step above their
 //! limits, sometimes by far less ([`Prediction::growth`]); without a prediction they are given 100/tolerance steps.
-//! What growth was seen is reported. Rigid motion has a constant velocity, so it is no growth, though its displacement
-//! grows without bound.
+//! Trials of at least 100/sqrt(tolerance) steps, in which all the beats of a mode next to its limit have passed many
+//! times, are unstable too when the last quarter of them exceeds the third by a factor [`LATE_RISE`]. What growth was
+//! seen is reported.
 //!
-//! [`largest_stable_courant`] knows nothing of the limit; [`limit_near`] begins at a prediction, which saves most trials,
+//! [`largest_stable_courant`] knows nothing of the limit; [`confirm`] begins at a prediction, which saves most trials,
 //! but whatever the prediction is, it ends at a limit that the trials show.
 
 mod prediction;
 
-pub use prediction::{Prediction, Predictor, VISIBLE_GROWTH};
+pub use prediction::{Confirmation, Prediction, Predictor, VISIBLE_GROWTH, confirm};
 
 pub mod opening;
 
@@ -28,11 +34,15 @@ use rayon::prelude::*;
 use crate::error::Refusal;
 use crate::impact::{Mesh, contact_free_step};
 use crate::penalty::{Ratio, StiffnessPenalty};
-use crate::schemes::{ContactRule, Park, Scheme, Setup, Stepper};
+use crate::pencil::Pencil;
+use crate::schemes::{ContactRule, Park, Scheme, Setup, State, Stepper};
 use crate::stability::Model;
 
-/// The velocities are looked at every so many steps.
-const STRIDE: u64 = 5;
+/// The motion is looked at every so many steps.
+const STRIDE: u64 = 7;
+
+/// A rise from the third to the last quarter of a long trial that no interference of its modes makes.
+pub const LATE_RISE: f64 = 1.2;
 
 /// A trial that has decayed by this factor holds no growing mode: rounding alone keeps a share of 1e-16.
 const DECAYED: f64 = 1e-30;
@@ -41,13 +51,17 @@ const DECAYED: f64 = 1e-30;
 /// the range of f64.
 const MOST_ENLARGEMENTS: u32 = 1100;
 
-/// ln of how much smaller than all of the start the growing mode may be: one part in 2e4.
-const SHARE: f64 = 10.0;
-
-/// Steps that show a growth of `growth` (ln of the factor a step) in a search to `tolerance`: those in which a mode
-/// that holds one part in e^10 of the start exceeds the threshold.
+/// Steps that show a growth of `growth` (ln of the factor a step) in a search to `tolerance`. A short trial must exceed
+/// the threshold, from a growing mode that holds one part in e^10 of the start; in a long one a part in e^5 makes the
+/// late rise within e^6.
 pub fn steps_to_show(tolerance: f64, growth: f64) -> f64 {
-    ((SHARE - 0.5 * tolerance.ln()) / growth).ceil()
+    let short = (10.0 + (3.0 / tolerance.sqrt()).ln()) / growth;
+    (6.0 / growth).max(short.min(long(tolerance))).ceil()
+}
+
+/// Steps of a trial in which a late rise counts.
+fn long(tolerance: f64) -> f64 {
+    100.0 / tolerance.sqrt()
 }
 
 /// How closely and how long a limit is looked for.
@@ -94,7 +108,7 @@ impl Search {
     }
 
     fn threshold(&self) -> f64 {
-        1.0 / self.tolerance.sqrt()
+        3.0 / self.tolerance.sqrt()
     }
 }
 
@@ -157,22 +171,6 @@ pub fn largest_stable_courant(
     search: &Search,
 ) -> Result<Limit, Refusal> {
     Trials::new(model, scheme, theta, point, search)?.bisect((1.0, 2.0))
-}
-
-/// As [`largest_stable_courant`], beginning with a bracket as wide as the tolerance around `courant`.
-///
-/// # Errors
-/// As [`largest_stable_courant`].
-pub fn limit_near(
-    model: &Model,
-    scheme: Scheme,
-    theta: f64,
-    point: Point,
-    search: &Search,
-    courant: f64,
-) -> Result<Limit, Refusal> {
-    let half = (1.0 + search.tolerance).sqrt();
-    Trials::new(model, scheme, theta, point, search)?.bisect((courant, half))
 }
 
 /// [`largest_stable_courant`] of every point, in parallel; in the order of `points`.
@@ -256,6 +254,11 @@ impl<'a> Trials<'a> {
         Ok(Self { model, scheme, park, point, search, mesh: Mesh::new(model.scene()) })
     }
 
+    /// The limit, beginning with a bracket as wide as the tolerance around `courant`.
+    fn near(&self, courant: f64) -> Result<Limit, Refusal> {
+        self.bisect((courant, (1.0 + self.search.tolerance).sqrt()))
+    }
+
     /// Brackets the limit from a first guess and a factor, and bisects the bracket.
     fn bisect(&self, guess: (f64, f64)) -> Result<Limit, Refusal> {
         let mut total_steps = 0;
@@ -291,19 +294,14 @@ impl<'a> Trials<'a> {
             account: false,
         })?;
         let n = pencil.size();
-        let size = |velocity: &[f64]| {
-            let square = |(v, mass): (&f64, &f64)| mass * v * v;
-            velocity.iter().zip(&pencil.mass().diagonal).map(square).sum::<f64>().sqrt()
-        };
-        let velocity = pseudo_random(n);
-        let start = size(&velocity);
+        let mut state = stepper.start(vec![0.0; n], pseudo_random(n));
+        let start = size(&pencil, &state);
         let bound = self.search.threshold() * start;
-        let mut state = stepper.start(vec![0.0; n], velocity);
         let mut seen = Vec::with_capacity((self.search.steps / STRIDE) as usize + 1);
         for step in 1..=self.search.steps {
             stepper.step(&mut state);
             if step % STRIDE == 0 {
-                let now = size(state.stored_velocity());
+                let now = size(&pencil, &state);
                 seen.push(now);
                 if now.is_nan() || now > bound {
                     return Ok(Trial { growth: Some(late_growth(start, &seen)), steps: step });
@@ -313,8 +311,28 @@ impl<'a> Trials<'a> {
                 }
             }
         }
-        Ok(Trial { growth: None, steps: self.search.steps })
+        let growth = late_growth(start, &seen);
+        let rises = growth * 0.25 * self.search.steps as f64 > LATE_RISE.ln();
+        let is_long = self.search.steps as f64 >= long(self.search.tolerance);
+        Ok(Trial { growth: (is_long && rises).then_some(growth), steps: self.search.steps })
     }
+}
+
+/// sqrt(v' diag(M) v + u'K u), J^(1/2). In differences of neighbours: a rigid translation has no strain, however far.
+fn size(pencil: &Pencil, state: &State) -> f64 {
+    let (u, v, k) = (state.displacement(), state.stored_velocity(), pencil.stiffness());
+    let kinetic: f64 = v.iter().zip(&pencil.mass().diagonal).map(|(v, mass)| mass * v * v).sum();
+    let mut strain = 0.0;
+    for (i, own) in k.diagonal.iter().enumerate() {
+        let left = if i > 0 { k.off_diagonal[i - 1] } else { 0.0 };
+        let right = k.off_diagonal.get(i).copied().unwrap_or(0.0);
+        let to_ground = own + left + right;
+        strain += to_ground * u[i] * u[i];
+        if right != 0.0 {
+            strain -= right * (u[i + 1] - u[i]).powi(2);
+        }
+    }
+    (kinetic + strain).sqrt()
 }
 
 /// ln of the factor a step over the last half, from the largest values of its third and fourth quarter.

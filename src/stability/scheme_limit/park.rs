@@ -123,7 +123,8 @@ impl SchemeLimit<'_> {
                 self.margin(penalties, alpha, growth, Tilt::None)
             }
         };
-        if alpha > 1.0 && self.park_alpha(penalties) < 1.0 {
+        let touched = self.contact_eigenvalue(penalties) > 0.0;
+        if alpha > 1.0 && touched && self.park_alpha(penalties) < 1.0 {
             return None;
         }
         if margin(0.0) >= 0.0 {
