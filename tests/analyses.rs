@@ -147,6 +147,10 @@ fn results_do_not_depend_on_the_number_of_threads() {
         (OPTIMAL_RATIO, "hunek --mass lumped --beta-s 1,1e6"),
         (CONTACT_IMPACT, "hunek --mass averaged --beta-s 1e6"),
         (VERIFY_LIMITS, "--mass lumped --beta-s 1,2 --tolerance 1e-3"),
+        (
+            VERIFY_LIMITS,
+            "hunek --contact opening --elements 8 --mass averaged --beta-s 1e4 --fraction 0.4,0.8",
+        ),
     ];
     for (tool, arguments) in tools {
         let of = |threads: u32| {
@@ -181,6 +185,13 @@ fn wrong_input_is_refused_before_anything_is_written() {
         (OPTIMAL_RATIO, "signorini signorini", "a second run that writes signorini"),
         (VERIFY_LIMITS, "signorini --tolerance 2", "tolerance"),
         (VERIFY_LIMITS, "signorini --ratio 0", "--ratio"),
+        (VERIFY_LIMITS, "signorini --contact ajar", "--contact"),
+        (VERIFY_LIMITS, "signorini --contact opening --fraction 0.5,1", "--fraction"),
+        (VERIFY_LIMITS, "signorini --contact opening --fraction 0", "--fraction"),
+        (VERIFY_LIMITS, "signorini --contact opening --tolerance 1e-3", "--tolerance"),
+        (VERIFY_LIMITS, "signorini --fraction 0.5", "--fraction"),
+        (VERIFY_LIMITS, "signorini signorini --contact opening", "SCENE"),
+        (VERIFY_LIMITS, "hunek --contact opening --penalty-mass diagonalised", "mass penalty"),
     ];
     for (tool, arguments, named) in wrong {
         let out = run(tool, &directory, arguments);
