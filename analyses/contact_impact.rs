@@ -61,7 +61,7 @@ struct Options {
 }
 
 const EXAMPLES: &str = "Examples:
-  contact-impact                                  the impacts of the paper, into figures/contact-impact/
+  contact-impact                                  the impacts of the paper
   contact-impact hunek --mass lumped --scheme park --beta-s 1e8
   contact-impact my-bars.toml --mass lumped --scheme predictor-corrector --ratio 1,2 --stdout csv
   contact-impact bouncing-bar --mass lumped --duration 16 --every 10 --format svg,csv";

@@ -35,7 +35,7 @@ struct Options {
 }
 
 const EXAMPLES: &str = "Examples:
-  scheme-limits                              a bar of 100 elements on a wall, into figures/scheme-limits/
+  scheme-limits                              a bar of 100 elements on a wall
   scheme-limits hunek --mass lumped --theta 1
   scheme-limits my-bars.toml --mass lumped --stdout csv";
 

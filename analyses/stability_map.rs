@@ -47,7 +47,7 @@ struct Options {
 const FEW_POINTS: usize = 8;
 
 const EXAMPLES: &str = "Examples:
-  stability-map                                     the charts of the paper, into figures/stability-map/
+  stability-map                                     the charts of the paper and maps beyond it
   stability-map my-bars.toml --beta-s 10 --ratio 1  which time step is safe for my bars
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable

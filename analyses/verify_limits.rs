@@ -63,11 +63,11 @@ struct Options {
 
 const EXAMPLES: &str = "Examples:
   verify-limits                                   the points of Fig. 3, into figures/verify-limits/
-  verify-limits signorini --mass lumped --beta-s log:1e-3:1e12:20 --ratio log:0.1:1e3:20 --tolerance 1e-4
-  verify-limits signorini --elements 10 --scheme park --theta 1 --beta-s log:1e-2:1e6:9 --ratio 0.25,1,4
+  verify-limits signorini --mass 1 --beta-s log:1e-3:1e12:20 --ratio log:.1:1e3:20 --tolerance 1e-4
+  verify-limits signorini --elements 10 --scheme park --theta 1 --beta-s 1,1e3,1e6 --ratio 1,4
   verify-limits my-bars.toml --beta-s 10 --stdout csv
   verify-limits --contact opening                 energy gained, and the steps to recommend
-  verify-limits signorini --contact opening --mass lumped --beta-s 1e4 --ratio 1 --fraction lin:0.05:0.95:19";
+  verify-limits signorini --contact opening --mass 1 --beta-s 1e4 --fraction lin:.05:.95:19";
 
 /// One figure: models side by side, with one scheme.
 struct Job {

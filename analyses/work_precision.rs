@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use bipenalty::cli::{
-    Output, OutputOptions, Peers, Progress, Verdict, finish, machine, print_table,
+    Output, OutputOptions, Peers, Progress, Verdict, arguments, finish, machine, print_table,
     restarted_with_one_blas_thread,
 };
 use bipenalty::error::Result;
@@ -69,7 +69,7 @@ const QUICK: Plan = Plan {
 };
 
 fn main() -> ExitCode {
-    restarted_with_one_blas_thread().unwrap_or_else(|| finish(run(&Options::parse())))
+    restarted_with_one_blas_thread().unwrap_or_else(|| finish(run(&arguments::<Options>())))
 }
 
 fn run(options: &Options) -> Result<Verdict> {

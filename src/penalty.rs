@@ -6,6 +6,14 @@
 //! r = 1 is the optimum M_p = K_p/omega_e^2 (32), r = inf the pure penalty method, beta_s = 0 contact-free. Between
 //! unequal elements s takes the smaller EA/h and omega_e the larger element frequency, so that r = 1 keeps its
 //! meaning.
+//!
+//! ```
+//! use bipenalty::penalty::{Ratio, StiffnessPenalty};
+//! assert_eq!(Ratio::new(1.0)?, Ratio::OPTIMAL);
+//! assert_eq!(Ratio::new(f64::INFINITY)?, Ratio::PURE_PENALTY);
+//! assert!(Ratio::new(0.0).is_err() && StiffnessPenalty::new(-1.0).is_err());
+//! # Ok::<(), bipenalty::error::Refusal>(())
+//! ```
 
 use crate::error::Refusal;
 use crate::fem::MassMatrix;

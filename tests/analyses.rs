@@ -97,7 +97,7 @@ fn every_contact_has_its_history() {
         bar.replace("velocity = 1.0", "")
     );
     std::fs::write(directory.join("three.toml"), scene).unwrap();
-    let arguments = "three.toml --mass lumped --beta-s 10 --scheme park --out out --format csv --theta 0.5 \
+    let arguments = "three.toml --mass lumped --beta-s 10 --scheme park --out out --format csv,svg --theta 0.5 \
                      --relative-courant 0.4 --duration 2 --stress-at 1 --ratio 1 --threads 1";
     let out = run(CONTACT_IMPACT, &directory, arguments);
     assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
@@ -107,6 +107,11 @@ fn every_contact_has_its_history() {
         assert_eq!(read(name).lines().next().unwrap(), header);
     }
     assert!(read("summary.csv").contains("finished"));
+    // Each contact has figures of its own; energy and stress belong to the bars.
+    for name in ["three-force-lumped", "three-gap-lumped"] {
+        assert_ne!(read(&format!("{name}.svg")), read(&format!("{name}-contact2.svg")));
+    }
+    assert!(!directory.join("out/three-energy-lumped-contact2.svg").exists());
 }
 
 /// Beyond its limit a run blows up: that is a row and exit status 1, not a crash.
@@ -118,7 +123,11 @@ fn a_run_that_blows_up_is_a_row() {
     assert_eq!(out.status.code(), Some(1));
     let text = String::from_utf8(out.stdout).unwrap();
     assert_eq!(text.lines().count(), 4);
-    assert!(text.lines().skip(1).all(|line| line.contains("blew up by step")), "{text}");
+    // No force error, no steady gap, no energy ratio.
+    assert!(
+        text.lines().skip(1).all(|line| line.contains("blew up by step") && line.contains(",1.5,,,,")),
+        "{text}"
+    );
 }
 
 #[test]
@@ -176,7 +185,14 @@ fn results_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn wrong_input_is_refused_before_anything_is_written() {
     let directory = scratch("refused");
+    // Scenes for this test lie elsewhere, so that the folder stays empty.
+    let scenes = scratch("refused-scenes");
+    let bar = "[[bar]]\nlength = 1.0\nelements = 5\nyoungs_modulus = 1.0\ndensity = 1.0\narea = 1.0\n";
+    let alone = scenes.join("alone.toml");
+    std::fs::write(&alone, format!("name = \"alone\"\n{bar}[impact]\nduration = 1.0\n")).unwrap();
+    let alone = alone.to_str().unwrap();
     let wrong = [
+        (CONTACT_IMPACT, alone, "a scene with at least one contact"),
         (OPTIMAL_RATIO, "signorini --beta-s -1", "--beta-s"),
         (OPTIMAL_RATIO, "signorini --elements 0", "--elements"),
         (CONTACT_IMPACT, "signorini --relative-courant 0", "--relative-courant"),

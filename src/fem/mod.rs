@@ -4,6 +4,15 @@
 //! K_e = EA/h [ 1 -1 ; -1 1 ]      M_e = rho h A/6 [ 2+g 1-g ; 1-g 2+g ]      g = gamma in [0, 1]
 //! ```
 //! The free element has the squared frequency omega_e^2 = 12/(1+2g) (c0/h)^2 (paper, (26) and (27)).
+//!
+//! ```
+//! use bipenalty::fem::MassMatrix;
+//! use bipenalty::scene::load;
+//! let (scene, mass) = (load("signorini")?, MassMatrix::LUMPED);
+//! // h = 0.1 m, c0 = 100 m/s: omega_e = 2 c0/h = 2000 rad/s.
+//! assert!((mass.element_eigenvalue(&scene.bars()[0]).sqrt() - 2000.0).abs() < 1e-9);
+//! # Ok::<(), bipenalty::error::Error>(())
+//! ```
 
 use crate::error::Refusal;
 use crate::pencil::{Gap, Pencil, Tridiagonal};

@@ -1,4 +1,13 @@
 //! Contact-impact runs: a scene stepped in time, its history, energies and summary, and exact solutions to compare with.
+//!
+//! ```
+//! use bipenalty::impact::Exact;
+//! use bipenalty::scene::load;
+//! // The bar of Sec. 5.1 of the paper: 0.1 N while the wave runs to the free end and back.
+//! let exact = Exact::of(&load("signorini")?, 0.3).expect("one contact");
+//! assert!((exact.force(0.1) - 0.1).abs() < 1e-15 && exact.force(0.25) == 0.0);
+//! # Ok::<(), bipenalty::error::Error>(())
+//! ```
 
 mod exact;
 mod history;

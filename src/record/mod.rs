@@ -1,4 +1,12 @@
 //! What a run leaves behind: typed rows, written as CSV or JSON, and where they come from.
+//!
+//! ```
+//! use bipenalty::record::{Number, csv};
+//! # #[derive(serde::Serialize)]
+//! struct Row { ratio: Number }
+//! assert_eq!(csv([Row { ratio: Number(f64::INFINITY) }])?, b"ratio\ninf\n");
+//! # Ok::<(), bipenalty::error::Error>(())
+//! ```
 
 mod figure_record;
 mod impact_rows;

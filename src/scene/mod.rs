@@ -2,6 +2,18 @@
 //!
 //! Neighbouring bars touch through a penalty contact; an outer end is free, fixed, or pressed on a rigid wall.
 //! A scene is data: it knows nothing of mass matrices or penalties.
+//!
+//! ```
+//! use bipenalty::scene::{Bar, End, Scene, load};
+//! let bar = Bar { length: 1.0, elements: 10, youngs_modulus: 70e9, density: 2700.0, area: 1e-4, velocity: 0.0 };
+//! let scene = Scene::new("rod", End::Fixed, vec![bar.clone()], End::Wall, None)?;
+//! assert_eq!((scene.elements(), scene.contact_sites().len()), (10, 1));
+//! // What has no meaning is refused with its place, its value and what is allowed.
+//! let wrong = Scene::new("rod", End::Free, vec![Bar { density: -1.0, ..bar }], End::Free, None).unwrap_err();
+//! assert_eq!(wrong.place, "scene rod, bar[0].density");
+//! assert_eq!(load("hunek")?.bars().len(), 2); // built in; a path reads a TOML file
+//! # Ok::<(), bipenalty::error::Error>(())
+//! ```
 
 mod builtin;
 mod file;

@@ -4,6 +4,13 @@
 //! increments: where u is of size 1 and the penetration 1e-15, the difference of displacements has no digit left.
 //! Sources: Kolman, Kopačka, González, Cho, Park, Math. Comput. Simulat. 189 (2021), 4.3 to 4.5 ("the paper"); Park, Lim,
 //! Huh, Int. J. Numer. Meth. Eng. 91 (2012); Cho, Park, Huh, Comput. Mech. 52 (2013).
+//!
+//! ```
+//! use bipenalty::schemes::{ContactSearch, Scheme};
+//! // What distinguishes the schemes is one table.
+//! assert_eq!(Scheme::Park.facts().search, ContactSearch::Predictor);
+//! assert_eq!("central-difference".parse(), Ok(Scheme::CentralDifference));
+//! ```
 
 mod central_difference;
 mod contact;
