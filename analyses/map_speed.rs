@@ -8,7 +8,7 @@
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
-use bipenalty::cli::{Verdict, arguments, finish};
+use bipenalty::cli::{Verdict, arguments, finish, restarted_with_one_blas_thread};
 use bipenalty::error::Result;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
@@ -62,17 +62,6 @@ fn main() -> ExitCode {
         return code;
     }
     finish(run(&arguments::<Options>()))
-}
-
-/// OpenBLAS reads its number of threads when it is loaded: the run is repeated with one, unless the user chose.
-fn restarted_with_one_blas_thread() -> Option<ExitCode> {
-    if !cfg!(feature = "lapack") || std::env::var_os(BLAS_THREADS).is_some() {
-        return None;
-    }
-    let program = std::env::current_exe().ok()?;
-    let status =
-        Command::new(program).args(std::env::args_os().skip(1)).env(BLAS_THREADS, "1").status().ok()?;
-    Some(ExitCode::from(u8::try_from(status.code().unwrap_or(2)).unwrap_or(2)))
 }
 
 const BLAS_THREADS: &str = "OPENBLAS_NUM_THREADS";

@@ -43,11 +43,11 @@ struct Options {
 }
 
 const EXAMPLES: &str = "Examples:
-  optimal-ratio                                     the built-in scenes
-  optimal-ratio my-bars.toml --beta-s 1e4           which r costs my bars nothing
-  optimal-ratio hunek --limit predictor-corrector   which r costs that scheme nothing
+  optimal-ratio                                     the built-in scenes, into figures/optimal-ratio/
+  optimal-ratio my-bars.toml --beta-s 1e4           which r costs nothing, and which bar governs
+  optimal-ratio hunek --limit predictor-corrector   which r is free of cost for that scheme
   optimal-ratio signorini --mass lumped --beta-s log:1:1e16:17 --stdout csv
-  optimal-ratio --from figures/optimal-ratio/hunek.csv --width single";
+  optimal-ratio --from figures/optimal-ratio/signorini.csv --width single --format pdf";
 
 /// What was found for one model.
 struct Found {

@@ -1,56 +1,81 @@
 //! Are the predicted limits the limits? Stepping at them, from a state that excites every mode, says so.
 //!
-//! For each point of a grid the contacts are held closed, and the largest stable Courant number is bisected from the
-//! growth of the motion alone: no eigenvalue enters. It is then compared with the prediction.
+//! For each point of a grid the contacts are held closed, and the largest stable Courant number is searched by the growth
+//! of the motion alone, beginning a little below and above the prediction: 2/omega_max for central differences, the limit
+//! of the scheme itself for the others. Where growth above the limit is too slow for any run, the row says so.
+//!
+//! Linear stability is necessary only. So bars are also thrown on their contacts and pressed against them at steps below
+//! the predicted limit, and the energy is measured that they gain while contacts open and close.
 
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    Output, OutputOptions, Progress, SceneOptions, Verdict, arguments, checked_grid, finish, print_table,
+    Contact, OpeningOptions, OpeningPlan, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments,
+    check_stems, checked_grid, finish, print_verification,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::verify_charts;
 use bipenalty::record::{StabilityRow, VerifyRow};
 use bipenalty::scene::{Scene, load};
 use bipenalty::schemes::Scheme;
-use bipenalty::stability::{Axis, EngineName, Grid, Model, map};
-use bipenalty::verify::{Point, Search, largest_stable_courant};
+use bipenalty::stability::{Axis, Grid, Model, map};
+use bipenalty::verify::{Point, Predictor, Search, confirm};
 use clap::Parser;
 use rayon::prelude::*;
 
-/// Limits confirmed by time stepping with closed contact; exit status 1 on any disagreement.
+/// Limits confirmed by time stepping with closed contact, and what contact that opens and closes gains below them; exit
+/// status 1 if a limit of closed contact, or what is proven of opening contact, does not hold.
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXAMPLES)]
 struct Options {
     #[command(flatten)]
     scene: SceneOptions,
-    /// Stiffness penalties: a list 0,0.5,10 or lin:0:10:11 or log:1e-3:1e12:20 (start:stop:count)
-    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "lin:0:10:11")]
-    beta_s: Axis,
-    /// Penalty ratios r, in the same forms; inf is the pure penalty method
-    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "0.5,1,2,3,inf")]
-    ratio: Axis,
-    /// Schemes: central-difference
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "central-difference")]
+    /// Contacts: closed (held closed), opening (free to open and close)
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "closed")]
+    contact: Vec<Contact>,
+    /// Stiffness penalties: a list 0,0.5,10 or lin:0:10:11 or log:1e-3:1e12:20 (start:stop:count) [default: lin:0:10:11,
+    /// opening contact: 1,10,100,1e4]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
+    beta_s: Option<Axis>,
+    /// Penalty ratios r, in the same forms; inf is the pure penalty method [default: 0.5,1,2,3,inf, opening contact:
+    /// 0.125,0.25,0.5,1,2,4,inf]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
+    ratio: Option<Axis>,
+    /// Schemes: central-difference, predictor-corrector, park
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        default_value = "central-difference,predictor-corrector,park"
+    )]
     scheme: Vec<Scheme>,
-    /// Relative width to which stepping brackets a limit
-    #[arg(long, value_name = "EPS", allow_negative_numbers = true, default_value_t = 1e-6)]
-    tolerance: f64,
+    /// Averaging of the Park scheme, in [0, 1] [default: 0.5]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    theta: Option<f64>,
+    /// Relative width to which stepping brackets a limit [default: 1e-6 for central differences, 1e-4 for the others]
+    #[arg(long, value_name = "EPS", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    #[command(flatten)]
+    opening: OpeningOptions,
     #[command(flatten)]
     output: OutputOptions,
 }
 
 const EXAMPLES: &str = "Examples:
-  verify-limits                                   the points of Fig. 3
+  verify-limits                                   the points of Fig. 3, into figures/verify-limits/
   verify-limits signorini --mass 1 --beta-s log:1e-3:1e12:20 --ratio log:.1:1e3:20 --tolerance 1e-4
-  verify-limits my-bars.toml --beta-s 10 --stdout csv";
+  verify-limits signorini --elements 10 --scheme park --theta 1 --beta-s 1,1e3,1e6 --ratio 1,4
+  verify-limits my-bars.toml --beta-s 10 --stdout csv
+  verify-limits --contact opening                 energy gained, and the steps to recommend
+  verify-limits signorini --contact opening --mass 1 --beta-s 1e4 --fraction lin:.05:.95:19";
 
 /// One figure: models side by side, with one scheme.
 struct Job {
     stem: String,
     models: Vec<Model>,
     scheme: Scheme,
-    search: Search,
+    theta: f64,
+    tolerance: f64,
 }
 
 fn main() -> ExitCode {
@@ -58,129 +83,206 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<Verdict> {
-    let grid = checked_grid(&options.beta_s, &options.ratio)?;
-    let jobs = plan(options, &grid)?;
+    check_used(options)?;
+    let closed = wants(options, Contact::Closed).then(|| Study::new(options)).transpose()?;
+    let opening = wants(options, Contact::Opening).then(|| plan_opening(options)).transpose()?;
     let output = Output::prepare(&options.output, "verify-limits")?;
     if options.output.explain {
-        Output::print_text(&jobs.iter().map(|job| explain(job, &grid)).collect::<String>())?;
+        let mut text = closed.iter().flat_map(Study::explain).collect::<String>();
+        text.extend(opening.iter().map(OpeningPlan::explain));
+        Output::print_text(&text)?;
         return Ok(Verdict::Holds);
     }
-    let points = jobs.iter().map(|job| job.models.len() * grid.len()).sum();
-    let progress = Progress::new(points, "limits", options.output.quiet);
-    let (mut all, mut files) = (Vec::new(), 0);
-    for job in &jobs {
-        progress.doing(&job.stem);
-        let mut rows = Vec::new();
-        for model in &job.models {
-            rows.push(measure(model, job, &grid, options.tolerance, &progress)?);
+    let (mut limits, mut files, mut holds) = (Vec::new(), 0, true);
+    if let Some(study) = &closed {
+        let (rows, written) = study.confirm(options, &output)?;
+        if !options.output.quiet {
+            print_verification(&rows);
         }
-        files += output.write_rows(&job.stem, &rows.concat())?.len();
-        if output.wants_figures() && grid.stiffness_penalties.len() > 1 {
-            let predicted: Result<Vec<_>> =
-                job.models.iter().map(|model| prediction(model, options)).collect();
-            let figure = verify_charts::limits(&predicted?, &rows, options.beta_s.log);
-            files += output.write_figure(&job.stem, &figure)?.len();
-        }
-        all.extend(rows);
+        holds &= rows.iter().flatten().all(|row| row.agrees != Some(false));
+        (limits, files) = (rows.concat(), written);
     }
-    drop(progress);
-    output.print(all.iter().flatten())?;
+    if let Some(plan) = &opening {
+        let progress = Progress::new(plan.len(), "runs", options.output.quiet);
+        let result = plan.measure(&progress)?;
+        drop(progress);
+        files += result.write(&output)?;
+        if !options.output.quiet {
+            result.summarise(plan);
+        }
+        holds &= result.holds;
+        limits.extend(result.limits);
+    }
+    output.print(&limits)?;
     if !options.output.quiet {
-        summarise(&all);
         output.report(files);
     }
-    let agree = all.iter().flatten().all(|row| row.agrees);
-    Ok(if agree { Verdict::Holds } else { Verdict::Fails })
+    Ok(if holds { Verdict::Holds } else { Verdict::Fails })
+}
+
+fn wants(options: &Options, contact: Contact) -> bool {
+    options.contact.contains(&contact)
+}
+
+/// Refuses options that nothing of what was asked for uses.
+fn check_used(options: &Options) -> Result<(), Refusal> {
+    if let Some(theta) = options.theta.filter(|_| !options.scheme.contains(&Scheme::Park)) {
+        return Err(Refusal::new("--theta", theta, "no theta without --scheme park"));
+    }
+    if let Some(tolerance) = options.tolerance.filter(|_| !wants(options, Contact::Closed)) {
+        return Err(Refusal::new("--tolerance", tolerance, "no tolerance without --contact closed"));
+    }
+    if options.opening.fraction.is_some() && !wants(options, Contact::Opening) {
+        return Err(Refusal::new("--fraction", "given", "no fraction without --contact opening"));
+    }
+    Ok(())
+}
+
+/// The penalties asked for, or those of the kind of contact.
+fn axes(options: &Options, contact: Contact) -> Result<(Axis, Axis)> {
+    let (beta_s, ratio) = match contact {
+        Contact::Closed => ("lin:0:10:11", "0.5,1,2,3,inf"),
+        Contact::Opening => ("1,10,100,1e4", "0.125,0.25,0.5,1,2,4,inf"),
+    };
+    let beta_s = options.beta_s.clone().map_or_else(|| beta_s.parse(), Ok)?;
+    Ok((beta_s, options.ratio.clone().map_or_else(|| ratio.parse(), Ok)?))
+}
+
+/// The scenes asked for, or the built-in ones called `names` with `elements`.
+fn scenes(options: &Options, names: [&str; 2], elements: Option<usize>) -> Result<Vec<Scene>> {
+    if !options.scene.scenes.is_empty() {
+        return options.scene.scenes();
+    }
+    let elements = options.scene.elements.or(elements);
+    let built_in = |name: &str| {
+        let scene = load(name)?;
+        Ok(elements.map_or(Ok(scene.clone()), |elements| scene.with_elements(elements))?)
+    };
+    names.into_iter().map(built_in).collect()
+}
+
+/// Every scheme below its limits in the impacts of the paper, or in the scenes that were asked for.
+fn plan_opening(options: &Options) -> Result<OpeningPlan> {
+    let (beta_s, ratio) = axes(options, Contact::Opening)?;
+    let grid = checked_grid(&beta_s, &ratio)?;
+    let models: Vec<Model> = scenes(options, ["signorini", "hunek"], None)?
+        .iter()
+        .flat_map(|scene| options.scene.models(scene))
+        .collect();
+    let stem = |model: &Model| format!("opening-{}-{}", model.scene().name(), model.mass().name());
+    check_stems(&options.output, models.iter().map(stem))?;
+    let theta = options.theta.unwrap_or(0.5);
+    Ok(OpeningPlan::new(&models, &options.scheme, theta, &grid, &options.opening)?)
+}
+
+/// What is done with contact held closed.
+struct Study {
+    beta_s: Axis,
+    ratio: Axis,
+    grid: Grid,
+    jobs: Vec<Job>,
+}
+
+impl Study {
+    fn new(options: &Options) -> Result<Self> {
+        let (beta_s, ratio) = axes(options, Contact::Closed)?;
+        let grid = checked_grid(&beta_s, &ratio)?;
+        let jobs = plan(options, &grid)?;
+        Ok(Self { beta_s, ratio, grid, jobs })
+    }
+
+    fn explain(&self) -> impl Iterator<Item = String> {
+        self.jobs.iter().map(|job| explain(job, &self.grid))
+    }
+
+    /// The rows of every model and scheme, written and drawn; the number of files.
+    fn confirm(&self, options: &Options, output: &Output) -> Result<(Vec<Vec<VerifyRow>>, usize)> {
+        let points = self.jobs.iter().map(|job| job.models.len() * self.grid.len()).sum();
+        let progress = Progress::new(points, "limits", options.output.quiet);
+        let (mut all, mut files) = (Vec::new(), 0);
+        for job in &self.jobs {
+            progress.doing(&job.stem);
+            let mut rows = Vec::new();
+            for model in &job.models {
+                rows.push(measure(model, job, &self.grid, &progress)?);
+            }
+            files += output.write_rows(&job.stem, &rows.concat())?.len();
+            if output.wants_figures() && is_drawn(&self.grid) {
+                let predicted: Result<Vec<_>> =
+                    job.models.iter().map(|model| self.prediction(model, job)).collect();
+                let figure = verify_charts::limits(&predicted?, &rows, self.beta_s.log);
+                files += output.write_figure(&job.stem, &figure)?.len();
+            }
+            all.extend(rows);
+        }
+        Ok((all, files))
+    }
+
+    /// The predicted curves, finer than the measured points.
+    fn prediction(&self, model: &Model, job: &Job) -> Result<Vec<StabilityRow>> {
+        let ends = || self.beta_s.values.iter().copied();
+        let (low, high) = (ends().fold(f64::INFINITY, f64::min), ends().fold(0.0, f64::max));
+        let fine = if self.beta_s.log { Axis::log(low, high, 201)? } else { Axis::linear(low, high, 201)? };
+        let grid = Grid::new(&fine, &self.ratio)?;
+        let pencil = model.pencil();
+        let predictor = Predictor::new(model, &pencil, job.scheme, job.theta)?;
+        let curves = map(model, &grid, predictor.engine(), &|_| ());
+        Ok(StabilityRow::of(model, job.scheme.name(), &curves, predictor.engine().name()))
+    }
 }
 
 /// Fig. 3 of the paper for every mass matrix, or the scenes that were asked for.
 fn plan(options: &Options, grid: &Grid) -> Result<Vec<Job>> {
-    let scenes: Vec<Scene> = if options.scene.scenes.is_empty() {
-        let elements = options.scene.elements.unwrap_or(1);
-        let fig3 = ["signorini", "symmetric"].map(|name| Ok(load(name)?.with_elements(elements)?));
-        fig3.into_iter().collect::<Result<_>>()?
-    } else {
-        options.scene.scenes()?
-    };
+    let scenes = scenes(options, ["signorini", "symmetric"], Some(1))?;
     let mut jobs = Vec::new();
     for scheme in &options.scheme {
-        if *scheme != Scheme::CentralDifference {
-            return Err(Refusal::new("--scheme", scheme.name(), Scheme::CentralDifference.name()).into());
-        }
-        let search = Search::to(options.tolerance, *scheme)?;
+        let usual = if *scheme == Scheme::CentralDifference { 1e-6 } else { 1e-4 };
+        let (theta, tolerance) = (options.theta.unwrap_or(0.5), options.tolerance.unwrap_or(usual));
+        Search::to(tolerance, *scheme)?;
         for (i, mass) in options.scene.mass.0.iter().enumerate() {
             let models: Vec<Model> =
                 scenes.iter().map(|scene| options.scene.models(scene).swap_remove(i)).collect();
-            models.iter().try_for_each(|model| model.check_grid(grid))?;
+            for model in &models {
+                model.check_grid(grid)?;
+                Predictor::new(model, &model.pencil(), *scheme, theta)?;
+            }
             let names: Vec<&str> = scenes.iter().map(Scene::name).collect();
             let stem = format!("{}-{}-{}", names.join("-"), mass.name(), scheme.name());
-            jobs.push(Job { stem, models, scheme: *scheme, search });
+            jobs.push(Job { stem, models, scheme: *scheme, theta, tolerance });
         }
     }
+    check_stems(&options.output, scenes.iter().map(|scene| scene.name().to_owned()))?;
+    check_stems(&options.output, jobs.iter().map(|job| job.stem.clone()))?;
     Ok(jobs)
 }
 
-/// Steps at every point of the grid, in parallel, and compares with 2/omega_max.
-fn measure(
-    model: &Model,
-    job: &Job,
-    grid: &Grid,
-    tolerance: f64,
-    progress: &Progress,
-) -> Result<Vec<VerifyRow>> {
-    let engine = model.engine(EngineName::Auto, None);
+/// Steps at every point of the grid, in parallel, and compares with the prediction.
+fn measure(model: &Model, job: &Job, grid: &Grid, progress: &Progress) -> Result<Vec<VerifyRow>> {
+    let pencil = model.pencil();
+    let predictor = Predictor::new(model, &pencil, job.scheme, job.theta)?;
     let ratios =
         grid.ratios.iter().flat_map(|ratio| grid.stiffness_penalties.iter().map(move |b| (*ratio, *b)));
     let points: Vec<Point> =
         ratios.map(|(ratio, stiffness_penalty)| Point { stiffness_penalty, ratio }).collect();
     let row = |point: &Point| -> Result<VerifyRow> {
-        let penalties = model.penalties(point.stiffness_penalty, point.ratio);
-        let predicted = model.critical_courant(engine.estimate(&penalties, None));
-        // theta is for the Park scheme alone.
-        let found = largest_stable_courant(model, job.scheme, 0.5, *point, &job.search)?;
+        let confirmation = confirm(&predictor, *point, job.tolerance)?;
         progress.add(1);
-        Ok(VerifyRow::new(model, job.scheme, *point, predicted, &found, tolerance))
+        Ok(VerifyRow::new(model, job.scheme, *point, &confirmation))
     };
     points.par_iter().map(row).collect()
 }
 
-/// The predicted curves, finer than the measured points.
-fn prediction(model: &Model, options: &Options) -> Result<Vec<StabilityRow>> {
-    let ends = || options.beta_s.values.iter().copied();
-    let (low, high) = (ends().fold(f64::INFINITY, f64::min), ends().fold(0.0, f64::max));
-    let fine = if options.beta_s.log { Axis::log(low, high, 201)? } else { Axis::linear(low, high, 201)? };
-    let grid = Grid::new(&fine, &options.ratio)?;
-    let engine = model.engine(EngineName::Auto, None);
-    let curves = map(model, &grid, engine.as_ref(), &|_| ());
-    Ok(StabilityRow::of(model, "spectrum", &curves, engine.name()))
+/// Whether the curves of a grid can be told apart.
+fn is_drawn(grid: &Grid) -> bool {
+    grid.stiffness_penalties.len() > 1 && grid.ratios.len() <= verify_charts::MOST_RATIOS
 }
 
 fn explain(job: &Job, grid: &Grid) -> String {
     format!(
-        "{}: {} points, about 25 trials of up to {} steps each; predicted in closed form; left out: eigenvectors\n",
+        "{}: {} points to {:e}, from 2 trials each, begun at the prediction{}; left out: eigenvectors\n",
         job.stem,
         grid.len() * job.models.len(),
-        job.search.steps
+        job.tolerance,
+        if is_drawn(grid) { "" } else { ", not drawn" }
     )
-}
-
-fn summarise(all: &[Vec<VerifyRow>]) {
-    let header =
-        ["scene", "elements", "mass", "scheme", "points", "agree", "largest distance from the prediction"];
-    let line = |rows: &Vec<VerifyRow>| {
-        let first = &rows[0];
-        let distance =
-            |row: &VerifyRow| (0.5 * (row.stable_at.0 + row.unstable_at.0) / row.predicted.0 - 1.0).abs();
-        let agree = rows.iter().filter(|row| row.agrees).count();
-        vec![
-            first.scene.clone(),
-            first.elements.to_string(),
-            first.mass.clone(),
-            first.scheme.to_owned(),
-            rows.len().to_string(),
-            if agree == rows.len() { "all".to_owned() } else { format!("{agree}, NOT ALL") },
-            format!("{:.1e}", rows.iter().map(distance).fold(0.0, f64::max)),
-        ]
-    };
-    print_table(&header, all.iter().map(line));
 }

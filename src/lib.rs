@@ -13,8 +13,8 @@
 //! A [`scene`] says which bars there are; [`fem`] assembles it, with a mass matrix, into a [`pencil`]; [`penalty`]
 //! turns (beta_s, r) into s and m; an engine of [`spectrum`] encloses the largest eigenvalue; [`stability`] makes time
 //! steps and maps of it. [`schemes`] step in time, [`impact`] makes runs of them beside exact solutions, [`verify`] finds
-//! their limits by stepping alone. [`precision`] holds extreme inputs against extended precision. [`record`] writes what
-//! came out.
+//! their limits by stepping alone. [`precision`] holds extreme inputs against extended precision, and error against run
+//! time. [`record`] writes what came out.
 //!
 //! One critical time step, with its proof:
 //!

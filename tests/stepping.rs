@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod common;
+
 use bipenalty::fem::MassMatrix;
 use bipenalty::impact::{Ending, Exact, Mesh, Progress, Recording, Run, Summary};
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
@@ -15,6 +17,10 @@ mod digits;
 mod energy;
 #[path = "stepping/limits.rs"]
 mod limits;
+#[path = "stepping/opening.rs"]
+mod opening;
+#[path = "stepping/scheme_limits.rs"]
+mod scheme_limits;
 
 const MASSES: [MassMatrix; 3] = [MassMatrix::LUMPED, MassMatrix::AVERAGED, MassMatrix::CONSISTENT];
 

@@ -6,22 +6,28 @@
 mod arguments;
 mod impacts;
 mod maps;
+mod opening;
 mod options;
 mod output;
+mod peers;
 mod progress;
 mod redraw;
 mod summary;
+mod verification;
 
 pub use arguments::arguments;
 pub use impacts::{FinishedRun, PlannedRun, exact_energy, exact_force, exact_stress, execute};
 pub use maps::{Chart, Job, Solved, checked_grid, paper};
+pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
 pub use options::{
     Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput, WidthOption,
 };
 pub use output::{Output, check_stems};
+pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use progress::Progress;
 pub use redraw::{redraw_optimal_ratio, redraw_stability};
 pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};
+pub use verification::print_verification;
 
 use std::process::ExitCode;
 

@@ -107,16 +107,31 @@ impl Output {
         let mut written = Vec::new();
         // The TeX source of a figure reads the records.
         if self.writes(Format::Csv) || self.writes(Format::Tex) {
-            written.extend(self.write(stem, Format::Csv, &record::csv(rows)?)?);
+            written.extend(self.write(stem, Format::Csv.ending(), &record::csv(rows)?)?);
         }
         if self.writes(Format::Json) {
-            written.extend(self.write(stem, Format::Json, &record::json(&self.provenance, rows)?)?);
+            written.extend(self.write(
+                stem,
+                Format::Json.ending(),
+                &record::json(&self.provenance, rows)?,
+            )?);
         }
         if self.wants_figures() && (self.writes(Format::Tex) || self.writes(Format::Record)) {
             let table = Table::of(format!("{stem}.csv"), &record::csv(rows)?)?;
             self.tables.lock().unwrap_or_else(PoisonError::into_inner).insert(stem.to_owned(), table);
         }
         Ok(written)
+    }
+
+    /// Writes `text` as `stem.md`, unless records go to standard output.
+    ///
+    /// # Errors
+    /// What the system says of the file.
+    pub fn write_markdown(&self, stem: &str, text: &str) -> Result<Vec<PathBuf>> {
+        if self.to_stdout() {
+            return Ok(Vec::new());
+        }
+        Ok(self.write(stem, "md", text.as_bytes())?.into_iter().collect())
     }
 
     /// Draws `figure`, which shows the rows of the same stem, in the formats asked for, with its record.
@@ -138,6 +153,10 @@ impl Output {
         sources: &[String],
         about: Option<impl IntoIterator<Item = R>>,
     ) -> Result<Vec<PathBuf>> {
+        // Nothing to show, such as the penetrations of bars that never touch.
+        if figure.panels.is_empty() {
+            return Ok(Vec::new());
+        }
         let figure = match self.width {
             Some(width) => &figure.clone().at_width(width),
             None => figure,
@@ -159,10 +178,10 @@ impl Output {
                 Format::Csv | Format::Json | Format::Record => continue,
             };
             let bytes = drawn.map_err(|source| Error::Figure { name: stem.to_owned(), source })?;
-            written.extend(self.write(stem, format, &bytes)?);
+            written.extend(self.write(stem, format.ending(), &bytes)?);
         }
         for (name, png) in &images {
-            written.extend(self.write(name, Format::Png, png)?);
+            written.extend(self.write(name, Format::Png.ending(), png)?);
         }
         if self.wants_figures() && self.writes(Format::Record) {
             let about = about.map(|rows| Table::of("", &record::csv(rows)?)).transpose()?;
@@ -171,7 +190,7 @@ impl Output {
             record.files =
                 written.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect();
             record.seconds = self.begun.elapsed().as_secs_f64();
-            written.extend(self.write(stem, Format::Record, &record::figure_json(&record)?)?);
+            written.extend(self.write(stem, Format::Record.ending(), &record::figure_json(&record)?)?);
         }
         Ok(written)
     }
@@ -185,12 +204,12 @@ impl Output {
     }
 
     /// Writes a file whole or not at all: to a neighbour first, then renamed.
-    fn write(&self, stem: &str, format: Format, bytes: &[u8]) -> Result<Option<PathBuf>> {
-        let path = self.directory.join(format!("{stem}.{}", format.ending()));
+    fn write(&self, stem: &str, ending: &str, bytes: &[u8]) -> Result<Option<PathBuf>> {
+        let path = self.directory.join(format!("{stem}.{ending}"));
         if self.source.is_some() && path.canonicalize().ok() == self.source {
             return Ok(None);
         }
-        let draft = self.directory.join(format!(".{stem}.{}.part", format.ending()));
+        let draft = self.directory.join(format!(".{stem}.{ending}.part"));
         let written = std::fs::create_dir_all(&self.directory)
             .and_then(|()| std::fs::write(&draft, bytes))
             .and_then(|()| std::fs::rename(&draft, &path));

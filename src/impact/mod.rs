@@ -21,3 +21,4 @@ pub use mesh::Mesh;
 pub(crate) use run::contact_free_step;
 pub use run::{MAX_STEPS, Progress, Run};
 pub use summary::Summary;
+pub(crate) use summary::potential_at_start;

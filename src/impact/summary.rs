@@ -75,7 +75,7 @@ fn energy_ratio(run: &Run, history: &History) -> Option<f64> {
 }
 
 /// The work that the body force does until the row of bars touches its first wall, J.
-fn potential_at_start(run: &Run) -> f64 {
+pub(crate) fn potential_at_start(run: &Run) -> f64 {
     let scene = run.model().scene();
     let Some(impact) = scene.impact() else { return 0.0 };
     let weight: f64 = scene.bars().iter().map(|bar| bar.element_mass() * bar.elements as f64).sum();

@@ -12,8 +12,24 @@ const RATIO: &str = "penalty ratio *r*";
 /// C_r over beta_s, one panel a model and one curve a ratio, all on one scale of C_r. Points that could not be
 /// certified leave a gap. A curve r < 1 that cannot be told from r = 1 is not drawn, but named with it.
 pub fn curves(models: &[Vec<StabilityRow>], log: bool) -> Figure {
+    panels_of(models, log, models.iter().map(|rows| distinct(rows)).collect())
+}
+
+/// As [`curves`], with every ratio drawn and named for itself; r = 1 below the others.
+pub(super) fn all_curves(models: &[Vec<StabilityRow>], log: bool) -> Figure {
+    let named = |rows: &Vec<StabilityRow>| {
+        let mut curves = curves_of(rows);
+        curves.sort_by_key(|(ratio, _)| *ratio != 1.0);
+        let drawn = |(ratio, points)| Drawn { ratio, label: format!("*r* = {}", number(ratio)), points };
+        curves.into_iter().map(drawn).collect()
+    };
+    panels_of(models, log, models.iter().map(named).collect())
+}
+
+fn panels_of(models: &[Vec<StabilityRow>], log: bool, mut drawn: Vec<Vec<Drawn>>) -> Figure {
     let styles = Styles::of(models);
-    let drawn: Vec<_> = models.iter().map(|rows| drawn(rows, log)).collect();
+    let curves = drawn.iter_mut().flatten();
+    curves.for_each(|curve| curve.points.retain(|(beta_s, _)| !log || *beta_s > 0.0));
     let values = drawn.iter().flatten().flat_map(|curve| curve.points.iter().map(|point| point.1));
     let range = shared_range(values.filter(|c| c.is_finite()));
     let panels = models.iter().zip(drawn).map(|(rows, curves)| {
@@ -53,7 +69,7 @@ struct Drawn {
 }
 
 /// The curves of one model that can be told apart, named.
-fn drawn(rows: &[StabilityRow], log: bool) -> Vec<Drawn> {
+fn distinct(rows: &[StabilityRow]) -> Vec<Drawn> {
     let curves = curves_of(rows);
     let optimal = curves.iter().find(|(ratio, _)| *ratio == 1.0).map(|(_, points)| points.clone());
     let hidden =
@@ -61,13 +77,15 @@ fn drawn(rows: &[StabilityRow], log: bool) -> Vec<Drawn> {
     let some_hidden = curves.iter().any(hidden);
     let shown = curves.into_iter().filter(|curve| !hidden(curve));
     shown
-        .map(|(ratio, mut points)| {
-            points.retain(|(beta_s, _)| !log || *beta_s > 0.0);
+        .map(|(ratio, points)| {
             let relation = if some_hidden && ratio == 1.0 { "≤" } else { "=" };
             Drawn { ratio, label: format!("*r* {relation} {}", number(ratio)), points }
         })
         .collect()
 }
+
+/// Styles that can be told apart.
+pub(super) const STYLES: usize = 8;
 
 /// The style of every ratio of a figure: the ratios of the paper keep theirs in every chart, the others take what is
 /// left in turn.
@@ -78,7 +96,6 @@ impl Styles {
     pub(super) fn of(models: &[Vec<StabilityRow>]) -> Self {
         const PAPER: [(f64, usize); 6] =
             [(1.0, 0), (2.0, 1), (3.0, 2), (0.5, 3), (f64::INFINITY, 4), (0.25, 5)];
-        const STYLES: usize = 8;
         let mut styles: Vec<(f64, usize)> = Vec::new();
         let mut others = Vec::new();
         for (ratio, _) in models.iter().flat_map(|rows| curves_of(rows)) {
@@ -279,12 +296,45 @@ pub fn titled_by_limit(mut figure: Figure, panels: &[Vec<StabilityRow>]) -> Figu
 }
 
 /// Whose limit, as a title names it.
-fn limit_name(limit: &str) -> String {
+pub(super) fn limit_name(limit: &str) -> String {
     match limit {
         "central-difference" => "central difference".to_owned(),
         "park" => "Park".to_owned(),
         other => other.to_owned(),
     }
+}
+
+/// What a ratio costs with a stiff contact: the step kept by every scheme with the first mass matrix, and the loss of the last
+/// scheme, Park's with `theta`, with every mass matrix. `models`: mass by mass, scheme by scheme, curves over a contact-free and a stiff beta_s.
+pub fn costs(models: &[Vec<Vec<StabilityRow>>], theta: f64) -> Figure {
+    let kept = |rows: &[StabilityRow]| -> Vec<(f64, f64)> {
+        let quotient = |(ratio, points): &(f64, Vec<(f64, f64)>)| match points[..] {
+            [(_, free), (_, stiff)] => Some((*ratio, stiff / free)),
+            _ => None,
+        };
+        curves_of(rows).iter().filter_map(quotient).collect()
+    };
+    let schemes = models.first().into_iter().flatten().enumerate().map(|(style, rows)| {
+        let name = rows.first().map_or(String::new(), |row| limit_name(row.limit));
+        Layer::curve(kept(rows), literal(&name), style)
+    });
+    let masses = models.iter().enumerate().filter_map(|(style, schemes)| {
+        let rows = schemes.last()?;
+        let loss: Vec<_> = kept(rows).into_iter().map(|(r, kept)| (r, 1.0 - kept)).collect();
+        Some(Layer::curve(loss, literal(&rows.first()?.mass), style))
+    });
+    let titles = models.first().and_then(|schemes| schemes.last()?.last()).map(|row| {
+        let at = format!("*β*_{{s}} = {}", number(row.stiffness_penalty.0));
+        (
+            format!("{}, {} mass, {at}", scene_name(&row.scene), row.mass),
+            format!("{}, *θ* = {theta}, {at}", limit_name(row.limit)),
+        )
+    });
+    let (mass, scheme) = titles.unwrap_or_default();
+    let kept = Axis::linear("step kept, of the contact-free one").over(0.0, 1.05);
+    let left = Panel::new(Axis::log(RATIO), kept, schemes.collect()).titled(mass);
+    let right = Panel::new(Axis::log(RATIO), Axis::log("step lost"), masses.collect()).titled(scheme);
+    figure(vec![left, right])
 }
 
 /// One panel fits a column, more take the width of the page.

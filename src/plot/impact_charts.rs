@@ -102,8 +102,11 @@ fn panels(
         let of_panel: Vec<&RunRecord> = runs.iter().filter(|run| run.stiffness_penalty == *beta_s).collect();
         let mut layers = Vec::new();
         for run in &of_panel {
-            let label = Some(literal(run.scheme));
-            layers.push(Layer::Curve { points: curve(run), label, style: style(run.scheme) });
+            let (points, label) = (curve(run), Some(literal(run.scheme)));
+            // A run without contact has no line in a chart of penetrations.
+            if points.iter().any(|(_, y)| y.is_finite()) {
+                layers.push(Layer::Curve { points, label, style: style(run.scheme) });
+            }
         }
         if !exact.is_empty() {
             layers.push(Layer::Exact { points: exact.clone(), label: Some("exact".to_owned()) });
@@ -112,7 +115,7 @@ fn panels(
             format!("{}, {}, *β*_{{s}} = {}", literal(&scene_name(scene)), literal(mass), number(*beta_s));
         Panel::new(Axis::linear(x), y.clone(), layers).titled(title)
     };
-    let panels: Vec<Panel> = penalties.iter().map(panel).collect();
+    let panels: Vec<Panel> = penalties.iter().map(panel).filter(|panel| !panel.layers.is_empty()).collect();
     let width = if panels.len() == 1 { Width::Single } else { Width::Double };
     let mut figure = Figure::new(width, panels);
     figure.columns = figure.columns.min(2);

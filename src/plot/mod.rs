@@ -39,6 +39,8 @@ mod legend;
 mod markup;
 mod model;
 mod names;
+pub mod opening_charts;
+pub mod precision_charts;
 mod search;
 mod tex;
 mod tex_data;

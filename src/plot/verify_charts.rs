@@ -1,14 +1,17 @@
 //! Predicted limits as curves, the limits that stepping found as markers on them.
 
-use super::Figure;
-use super::Layer;
-use super::charts::{Styles, curves, curves_of};
+use super::charts::{STYLES, Styles, all_curves, curves_of};
+use super::{Figure, Layer, Naming};
 use crate::record::{StabilityRow, VerifyRow};
 
-/// C_r over beta_s: `predicted` curves and `measured` points, one panel a model.
+/// More ratios would share their styles: they cannot be told apart in one chart.
+pub const MOST_RATIOS: usize = STYLES;
+
+/// C_r over beta_s: `predicted` curves and `measured` points, one panel a model; at most [`MOST_RATIOS`] ratios.
 pub fn limits(predicted: &[Vec<StabilityRow>], measured: &[Vec<VerifyRow>], log: bool) -> Figure {
     let styles = Styles::of(predicted);
-    let mut figure = curves(predicted, log);
+    let mut figure = all_curves(predicted, log);
+    figure.naming = Naming::Legend;
     for ((panel, rows), predicted) in figure.panels.iter_mut().zip(measured).zip(predicted) {
         for (ratio, _) in curves_of(predicted) {
             let of_ratio = rows.iter().filter(|row| row.ratio.0 == ratio);

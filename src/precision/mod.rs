@@ -1,27 +1,25 @@
-//! The ends of what f64 can do: a named list of extreme inputs, each held against a reference in extended precision.
+//! How right, and at what cost: [`extreme`] inputs against extended precision, and error against run time.
 //!
-//! A case computes one quantity the way every tool does and compares it with a reference that was made without this
-//! crate (`tests/data/extreme_cases.py`). The error allowed is a formula in the unit roundoff u = 2^-53. Inputs that f64
-//! cannot hold must be refused, with the quantity that leaves its range by name: such a case holds when the refusal comes.
+//! Error against run time keeps four things apart: the problem ([`Eigenproblem`], [`Impactproblem`]), the [`Clock`], the
+//! [`Measurement`] and the summary ([`mark_front`]). An error comes from one run, a time from others with nothing
+//! recorded. Drawing and writing are elsewhere.
 
-mod case;
-mod limits;
-mod references;
-mod refusals;
-mod spectra;
-mod stepping;
+mod clock;
+mod eigenproblem;
+mod estimates;
+pub mod extreme;
+mod impactproblem;
+mod measurement;
+mod measuring;
+mod methods;
+mod table;
 
-pub use case::{Case, Checked, Computed, Found, Reference};
-pub use references::{References, Unreadable};
+pub use clock::{Clock, Forecast};
+pub use eigenproblem::{EIGENPROBLEMS, Eigenproblem, ExactEigenvalue, ExactEigenvalues, SIZES};
+pub use impactproblem::{ImpactErrors, Impactproblem, SCENES};
+pub use measurement::{Family, Measurement, Status, mark_front};
+pub use measuring::{measure_eigenvalues, measure_impacts};
+pub use methods::Method;
+pub use table::markdown;
 
-/// Every extreme case, in a fixed order.
-pub fn cases() -> Vec<Case> {
-    let lists = [spectra::cases(), stepping::cases(), limits::cases(), refusals::cases()];
-    lists.into_iter().flatten().collect()
-}
-
-/// A number as short as it can be written, as the names of cases have it.
-fn short(x: f64) -> String {
-    let (plain, power) = (format!("{x}"), format!("{x:e}"));
-    if plain.len() <= power.len() { plain } else { power }
-}
+pub use extreme::{Case, Checked, Computed, Found, Reference, References, Unreadable, cases};

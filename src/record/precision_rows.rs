@@ -1,9 +1,9 @@
-//! The rows of the extreme cases.
+//! The rows of the extreme cases and of error against run time.
 
 use serde::{Serialize, Serializer};
 
 use super::Number;
-use crate::precision::{Checked, Computed, Reference};
+use crate::precision::{Checked, Computed, Measurement, Reference};
 
 /// A number, or the word `refused: ` with a message or a quantity.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,5 +63,50 @@ impl ExtremeRow {
             holds: checked.holds,
             allowed_formula: checked.formula,
         }
+    }
+}
+
+/// Error and run time of one method on one problem. What has no number is empty.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WorkRow {
+    /// `eigenvalue` or `stepping`.
+    pub family: &'static str,
+    /// The problem; of an impact scene, mass matrix and quantity.
+    pub problem: String,
+    /// The method with its setting.
+    pub method: String,
+    /// Elements of all bars (eigenvalues), of the first bar (impacts).
+    pub size: usize,
+    /// Relative error of the critical step, positive where the step is too large; rms error of an impact.
+    pub error: Option<Number>,
+    /// Smallest time of the runs, s.
+    pub seconds: Option<Number>,
+    /// Products with the matrices or eliminations of them.
+    pub evaluations: Option<u64>,
+    /// `done`, `failed: ..`, `timed out: ..` or `wrong: ..`.
+    pub status: String,
+    /// Whether nothing is as right and as quick on this problem (eigenvalues: of this size).
+    pub on_front: bool,
+}
+
+impl WorkRow {
+    /// The row of `measurement`.
+    pub fn new(measurement: &Measurement) -> Self {
+        Self {
+            family: measurement.family.name(),
+            problem: measurement.problem.clone(),
+            method: measurement.method.clone(),
+            size: measurement.size,
+            error: measurement.error.map(Number),
+            seconds: measurement.seconds.map(Number),
+            evaluations: measurement.evaluations,
+            status: measurement.status.to_string(),
+            on_front: measurement.on_front,
+        }
+    }
+
+    /// (seconds, |error|) of a measurement that is done.
+    pub fn point(&self) -> Option<(f64, f64)> {
+        (self.status == "done").then_some((self.seconds?.0, self.error?.0.abs()))
     }
 }

@@ -129,6 +129,12 @@ impl State {
         self.contact_work
     }
 
+    /// The same with the weights of the scheme's own energy balance, J: minus what the contacts have added to the energy
+    /// that the scheme keeps without them; see [`Stepper::synchronise`].
+    pub fn balance_work(&self) -> f64 {
+        self.balance_work
+    }
+
     /// Notes which contacts are closed; true closed contacts take part in the step.
     pub(super) fn search(&mut self, rule: ContactRule) {
         for (closed, gap) in self.closed.iter_mut().zip(&self.gap) {

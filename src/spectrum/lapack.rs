@@ -8,7 +8,7 @@ use nalgebra_lapack::{Cholesky, SymmetricEigen};
 
 use super::dense::{in_gap_coordinates, with_gaps_last};
 use super::{Enclosure, Engine, Sturm, Uncertified, WIDEST_ENCLOSURE};
-use crate::pencil::{Penalty, Pencil};
+use crate::pencil::{Penalty, Pencil, Tridiagonal};
 
 /// The engine `lapack`: Cholesky factor, reduction to standard form and `dsyev`; O(n^3) operations a point.
 #[derive(Debug)]
@@ -43,6 +43,16 @@ impl Engine for Lapack<'_> {
 
 fn columns(a: Mat<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)])
+}
+
+/// A tridiagonal matrix with all its zeros, n x n.
+pub fn full(matrix: &Tridiagonal) -> DMatrix<f64> {
+    let n = matrix.diagonal.len();
+    DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+        0 => matrix.diagonal[i],
+        1 => matrix.off_diagonal[i.min(j)],
+        _ => 0.0,
+    })
 }
 
 /// K + K_p and M + M_p, dense n x n, in gap coordinates (the gap is a node of its own), in the order of the row.
@@ -89,6 +99,13 @@ impl Band {
             }
         }
         Self { size, width, entries }
+    }
+
+    /// The band of a tridiagonal matrix.
+    pub fn tridiagonal(matrix: &Tridiagonal) -> Self {
+        let below = matrix.off_diagonal.iter().copied().chain([0.0]);
+        let entries = matrix.diagonal.iter().copied().zip(below).flat_map(|(on, below)| [on, below]);
+        Self { size: matrix.diagonal.len(), width: 1, entries: entries.collect() }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Bisection on the sign of the pivots of the tridiagonal pencil: slow, simple, right for every scene.
 
+use std::cell::Cell;
+
 use super::{Chain, Enclosure, Engine, Segment, Uncertified, bisect, certify, sturm_backward_error};
 use crate::pencil::{Gap, Penalty, Pencil};
 
@@ -81,8 +83,17 @@ impl<'a> Sturm<'a> {
         certify(Enclosure { value, lower: low * (1.0 - kappa), upper: high * (1.0 + kappa) })
     }
 
-    fn bracket(&self, penalties: &[Penalty]) -> (f64, f64) {
-        let above = |l: f64| self.is_above_spectrum(penalties, l);
+    /// Eliminations of the pencil that [`Engine::enclose`] takes.
+    pub fn eliminations(&self, penalties: &[Penalty]) -> u64 {
+        let count = Cell::new(0);
+        self.bracket(penalties, |l| {
+            count.set(count.get() + 1);
+            self.is_above_spectrum(penalties, l)
+        });
+        count.get()
+    }
+
+    fn bracket(&self, penalties: &[Penalty], above: impl Fn(f64) -> bool) -> (f64, f64) {
         let (mut low, mut high) = (self.pencil.lower_bound(penalties), self.pencil.upper_bound(penalties));
         // The bounds hold exactly; rounding may put them a few units on the wrong side.
         while above(low) {
@@ -103,12 +114,12 @@ impl Engine for Sturm<'_> {
     }
 
     fn estimate(&self, penalties: &[Penalty], _start: Option<f64>) -> f64 {
-        let (low, high) = self.bracket(penalties);
+        let (low, high) = self.bracket(penalties, |l| self.is_above_spectrum(penalties, l));
         low + 0.5 * (high - low)
     }
 
     fn enclose(&self, penalties: &[Penalty], _start: Option<f64>) -> Result<Enclosure, Uncertified> {
-        let (low, high) = self.bracket(penalties);
+        let (low, high) = self.bracket(penalties, |l| self.is_above_spectrum(penalties, l));
         let kappa = sturm_backward_error(self.pencil, penalties, low);
         certify(Enclosure::from_bracket(low, high, kappa))
     }

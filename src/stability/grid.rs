@@ -29,9 +29,13 @@ impl Axis {
     /// Refuses ends that are not finite, an empty or reversed range and fewer than 2 or too many points.
     pub fn linear(start: f64, stop: f64, count: usize) -> Result<Self, Refusal> {
         check_range(start, stop, count)?;
-        // Divided last, so that 0.15 comes out as 3/20 and not as 3 * 0.05.
-        let value =
-            |i| if i + 1 == count { stop } else { start + (stop - start) * i as f64 / (count - 1) as f64 };
+        let (span, steps) = (stop - start, (count - 1) as f64);
+        let value = |i| match i as f64 {
+            _ if i + 1 == count => stop,
+            // Divided last, so that 0.15 comes out as 3/20 and not as 3 * 0.05.
+            i if (span * steps).is_finite() => start + span * i / steps,
+            i => start * (1.0 - i / steps) + stop * (i / steps),
+        };
         Ok(Self { values: (0..count).map(value).collect(), log: false })
     }
 

@@ -1,35 +1,68 @@
 //! Stability limits found by stepping alone: no eigenvalue, no amplification matrix, no use of how the matrices look.
 //!
 //! All contacts are held closed. From u = 0 and pseudo-random velocities, which excite every mode, a trial makes
-//! [`Search::steps`] steps and watches the size of the velocities, sqrt(v' diag(M) v). The trial is unstable when that
-//! exceeds its start by the factor
+//! [`Search::steps`] steps and watches the size of the motion,
 //!
 //! ```text
-//! threshold = 1/sqrt(tolerance)
+//! sqrt(v' diag(M) v + u'K u)
 //! ```
-//! Below its limit by the relative distance e, central difference amplitudes reach 1/sqrt(8 e), so that a stable trial is
-//! taken for unstable only where e < tolerance/8. Above it they grow by 2 sqrt(2 e) a step: 9/sqrt(tolerance) steps
+//! which neither the exchange of kinetic and strain energy nor rigid motion moves: rigid motion is no growth, though its
+//! displacement grows without bound. The trial is unstable when the size exceeds its start by the factor
+//!
+//! ```text
+//! threshold = 3/sqrt(tolerance)
+//! ```
+//! Below its limit by the relative distance e, central difference amplitudes reach 1/sqrt(8 e), kinetic and strain energy
+//! alike, and v' diag(M) v is up to three times v'M v: a stable trial is taken for unstable only where e < tolerance/12. Above it they grow by 2 sqrt(2 e) a step: 9/sqrt(tolerance) steps
 //! give e^18 at e = tolerance/2. The other schemes damp what reaches the contact and grow by about e a step above their
-//! limits, sometimes by far less. They are given 100/tolerance steps, and a trial is unstable too when the last quarter of
-//! them exceeds the third by a factor [`LATE_RISE`]. What growth was seen is reported.
-//! Rigid motion has a constant velocity, so it is no growth, though its displacement grows without bound.
+//! limits, sometimes by far less ([`Prediction::growth`]); without a prediction they are given 100/tolerance steps.
+//! Trials of at least 100/sqrt(tolerance) steps, in which all the beats of a mode next to its limit have passed many
+//! times, are unstable too when the last quarter of them exceeds the third by a factor [`LATE_RISE`]. What growth was
+//! seen is reported.
+//!
+//! [`largest_stable_courant`] knows nothing of the limit; [`confirm`] begins at a prediction, which saves most trials,
+//! but whatever the prediction is, it ends at a limit that the trials show.
+
+mod prediction;
+
+pub use prediction::{Confirmation, Prediction, Predictor, VISIBLE_GROWTH, confirm};
+
+pub mod opening;
 
 use rayon::prelude::*;
 
 use crate::error::Refusal;
 use crate::impact::{Mesh, contact_free_step};
 use crate::penalty::{Ratio, StiffnessPenalty};
-use crate::schemes::{ContactRule, Park, Scheme, Setup, Stepper};
+use crate::pencil::Pencil;
+use crate::schemes::{ContactRule, Park, Scheme, Setup, State, Stepper};
 use crate::stability::Model;
 
-/// The velocities are looked at every so many steps.
-const STRIDE: u64 = 5;
+/// The motion is looked at every so many steps.
+const STRIDE: u64 = 7;
 
-/// A rise from the third to the last quarter of a damped trial that no interference of its modes makes.
+/// A rise from the third to the last quarter of a long trial that no interference of its modes makes.
 pub const LATE_RISE: f64 = 1.2;
 
-/// Halvings or doublings of the first Courant number, 1, before the search gives up: beyond the range of f64.
-const MOST_DOUBLINGS: u32 = 1000;
+/// A trial that has decayed by this factor holds no growing mode: rounding alone keeps a share of 1e-16.
+const DECAYED: f64 = 1e-30;
+
+/// Enlargements of the first bracket, each to the square and at most to the double, before the search gives up: beyond
+/// the range of f64.
+const MOST_ENLARGEMENTS: u32 = 1100;
+
+/// Steps that show a growth of `growth` (ln of the factor a step) in a search to `tolerance`. A short trial must exceed
+/// the threshold, from a growing mode that holds one part in e^10 of the start; in a long one a part in e^5 makes the
+/// late rise within e^6.
+pub fn steps_to_show(tolerance: f64, growth: f64) -> f64 {
+    let short = (10.0 + (3.0 / tolerance.sqrt()).ln()) / growth;
+    (6.0 / growth).max(short.min(long(tolerance))).ceil()
+}
+
+/// Steps of a trial in which a late rise counts.
+fn long(tolerance: f64) -> f64 {
+    100.0 / tolerance.sqrt()
+}
 
 /// How closely and how long a limit is looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,13 +90,25 @@ impl Search {
         Self { tolerance, steps: steps.ceil() as u64 }.checked()
     }
 
+    /// The search with the steps that show `prediction`, or those of [`Search::to`] if these would be too many or are
+    /// not known.
+    ///
+    /// # Errors
+    /// As [`Search::to`].
+    pub fn for_prediction(tolerance: f64, scheme: Scheme, prediction: &Prediction) -> Result<Self, Refusal> {
+        let usual = Self::to(tolerance, scheme)?;
+        let needed = prediction.steps_needed.filter(|_| prediction.is_visible());
+        // The bracket ends at half the tolerance above the prediction, and growth at least halves with the distance.
+        needed.map_or(Ok(usual), |steps| Self { tolerance, steps: 2 * steps as u64 }.checked())
+    }
+
     fn checked(self) -> Result<Self, Refusal> {
         let held = (1..=1_000_000_000).contains(&self.steps);
         held.then_some(self).ok_or_else(|| Refusal::new("steps of a trial", self.steps, "1 to 1e9"))
     }
 
     fn threshold(&self) -> f64 {
-        1.0 / self.tolerance.sqrt()
+        3.0 / self.tolerance.sqrt()
     }
 }
 
@@ -93,6 +138,14 @@ impl Limit {
         let margin = tolerance * predicted;
         self.stable_at - margin <= predicted && predicted <= self.unstable_at + margin
     }
+
+    /// Whether the limit confirms `prediction` to the relative `tolerance`. `None` if no trial below the prediction grew,
+    /// the limit was found above it, and the growth in between is predicted to be too slow to be seen.
+    pub fn judge(&self, prediction: &Prediction, tolerance: f64) -> Option<bool> {
+        let unseen = self.stable_at > prediction.courant && !prediction.is_visible();
+        let agrees = self.agrees(prediction.courant, tolerance);
+        (agrees || !unseen).then_some(agrees)
+    }
 }
 
 /// The point of a map at which a limit is wanted.
@@ -117,24 +170,7 @@ pub fn largest_stable_courant(
     point: Point,
     search: &Search,
 ) -> Result<Limit, Refusal> {
-    let search = search.checked()?;
-    model.check(point.stiffness_penalty, point.ratio)?;
-    let trials = Trials::new(model, scheme, theta, point, &search);
-    let mut total_steps = 0;
-    let mut grows = |courant: f64| {
-        let trial = trials.run(courant)?;
-        total_steps += trial.steps;
-        Ok::<_, Refusal>(trial.growth)
-    };
-    let (mut stable_at, mut unstable_at, mut growth) = bracket(&mut grows)?;
-    while unstable_at - stable_at > search.tolerance * unstable_at {
-        let middle = 0.5 * (stable_at + unstable_at);
-        match grows(middle)? {
-            Some(seen) => (unstable_at, growth) = (middle, seen),
-            None => stable_at = middle,
-        }
-    }
-    Ok(Limit { stable_at, unstable_at, growth, steps: search.steps, total_steps })
+    Trials::new(model, scheme, theta, point, search)?.bisect((1.0, 2.0))
 }
 
 /// [`largest_stable_courant`] of every point, in parallel; in the order of `points`.
@@ -151,31 +187,38 @@ pub fn limits(
     points.par_iter().map(|point| largest_stable_courant(model, scheme, theta, *point, search)).collect()
 }
 
-/// A stable Courant number and an unstable one, twice as large, with its growth.
-fn bracket(grows: &mut impl FnMut(f64) -> Result<Option<f64>, Refusal>) -> Result<(f64, f64, f64), Refusal> {
-    let mut courant = 1.0;
-    let mut unstable = None;
-    for _ in 0..MOST_DOUBLINGS {
-        match (grows(courant)?, unstable) {
-            (Some(growth), _) => unstable = Some((courant, growth)),
-            (None, Some((above, growth))) => return Ok((courant, above, growth)),
-            (None, None) => return upwards(courant, grows),
+/// A stable Courant number and an unstable one with its growth: `start` divided and multiplied by `factor`, or further
+/// away.
+fn bracket(
+    (start, factor): (f64, f64),
+    grows: &mut impl FnMut(f64) -> Result<Option<f64>, Refusal>,
+) -> Result<(f64, f64, f64), Refusal> {
+    let (mut stable, mut step, mut unstable) = (start / factor, factor, None);
+    for _ in 0..MOST_ENLARGEMENTS {
+        match (grows(stable)?, unstable) {
+            (Some(growth), _) => unstable = Some((stable, growth)),
+            (None, Some((above, growth))) => return Ok((stable, above, growth)),
+            (None, None) => return upwards(stable, start, factor, grows),
         }
-        courant *= 0.5;
+        step = (step * step).min(2.0);
+        stable /= step;
     }
-    Err(Refusal::new("Courant number", courant, "a model that some step makes stable"))
+    Err(Refusal::new("Courant number", stable, "a model that some step makes stable"))
 }
 
 fn upwards(
     mut stable: f64,
+    start: f64,
+    factor: f64,
     grows: &mut impl FnMut(f64) -> Result<Option<f64>, Refusal>,
 ) -> Result<(f64, f64, f64), Refusal> {
-    for _ in 0..MOST_DOUBLINGS {
-        let courant = 2.0 * stable;
+    let (mut courant, mut step) = (start * factor, factor);
+    for _ in 0..MOST_ENLARGEMENTS {
         if let Some(growth) = grows(courant)? {
             return Ok((stable, courant, growth));
         }
-        stable = courant;
+        (stable, step) = (courant, (step * step).min(2.0));
+        courant *= step;
     }
     Err(Refusal::new("Courant number", stable, "a model that some step makes unstable"))
 }
@@ -186,7 +229,7 @@ struct Trials<'a> {
     scheme: Scheme,
     park: Park,
     point: Point,
-    search: &'a Search,
+    search: Search,
     mesh: Mesh,
 }
 
@@ -198,9 +241,41 @@ struct Trial {
 }
 
 impl<'a> Trials<'a> {
-    fn new(model: &'a Model, scheme: Scheme, theta: f64, point: Point, search: &'a Search) -> Self {
+    fn new(
+        model: &'a Model,
+        scheme: Scheme,
+        theta: f64,
+        point: Point,
+        search: &Search,
+    ) -> Result<Self, Refusal> {
+        let search = search.checked()?;
+        model.check(point.stiffness_penalty, point.ratio)?;
         let park = Park { theta, critical_step: contact_free_step(model) };
-        Self { model, scheme, park, point, search, mesh: Mesh::new(model.scene()) }
+        Ok(Self { model, scheme, park, point, search, mesh: Mesh::new(model.scene()) })
+    }
+
+    /// The limit, beginning with a bracket as wide as the tolerance around `courant`.
+    fn near(&self, courant: f64) -> Result<Limit, Refusal> {
+        self.bisect((courant, (1.0 + self.search.tolerance).sqrt()))
+    }
+
+    /// Brackets the limit from a first guess and a factor, and bisects the bracket.
+    fn bisect(&self, guess: (f64, f64)) -> Result<Limit, Refusal> {
+        let mut total_steps = 0;
+        let mut grows = |courant: f64| {
+            let trial = self.run(courant)?;
+            total_steps += trial.steps;
+            Ok::<_, Refusal>(trial.growth)
+        };
+        let (mut stable_at, mut unstable_at, mut growth) = bracket(guess, &mut grows)?;
+        while unstable_at - stable_at > self.search.tolerance * unstable_at {
+            let middle = 0.5 * (stable_at + unstable_at);
+            match grows(middle)? {
+                Some(seen) => (unstable_at, growth) = (middle, seen),
+                None => stable_at = middle,
+            }
+        }
+        Ok(Limit { stable_at, unstable_at, growth, steps: self.search.steps, total_steps })
     }
 
     fn run(&self, courant: f64) -> Result<Trial, Refusal> {
@@ -219,30 +294,45 @@ impl<'a> Trials<'a> {
             account: false,
         })?;
         let n = pencil.size();
-        let size = |velocity: &[f64]| {
-            let square = |(v, mass): (&f64, &f64)| mass * v * v;
-            velocity.iter().zip(&pencil.mass().diagonal).map(square).sum::<f64>().sqrt()
-        };
-        let velocity = pseudo_random(n);
-        let start = size(&velocity);
+        let mut state = stepper.start(vec![0.0; n], pseudo_random(n));
+        let start = size(&pencil, &state);
         let bound = self.search.threshold() * start;
-        let mut state = stepper.start(vec![0.0; n], velocity);
         let mut seen = Vec::with_capacity((self.search.steps / STRIDE) as usize + 1);
         for step in 1..=self.search.steps {
             stepper.step(&mut state);
             if step % STRIDE == 0 {
-                let now = size(state.stored_velocity());
+                let now = size(&pencil, &state);
                 seen.push(now);
                 if now.is_nan() || now > bound {
                     return Ok(Trial { growth: Some(late_growth(start, &seen)), steps: step });
+                }
+                if now < DECAYED * start {
+                    return Ok(Trial { growth: None, steps: step });
                 }
             }
         }
         let growth = late_growth(start, &seen);
         let rises = growth * 0.25 * self.search.steps as f64 > LATE_RISE.ln();
-        let damped = self.scheme != Scheme::CentralDifference;
-        Ok(Trial { growth: (damped && rises).then_some(growth), steps: self.search.steps })
+        let is_long = self.search.steps as f64 >= long(self.search.tolerance);
+        Ok(Trial { growth: (is_long && rises).then_some(growth), steps: self.search.steps })
     }
+}
+
+/// sqrt(v' diag(M) v + u'K u), J^(1/2). In differences of neighbours: a rigid translation has no strain, however far.
+fn size(pencil: &Pencil, state: &State) -> f64 {
+    let (u, v, k) = (state.displacement(), state.stored_velocity(), pencil.stiffness());
+    let kinetic: f64 = v.iter().zip(&pencil.mass().diagonal).map(|(v, mass)| mass * v * v).sum();
+    let mut strain = 0.0;
+    for (i, own) in k.diagonal.iter().enumerate() {
+        let left = if i > 0 { k.off_diagonal[i - 1] } else { 0.0 };
+        let right = k.off_diagonal.get(i).copied().unwrap_or(0.0);
+        let to_ground = own + left + right;
+        strain += to_ground * u[i] * u[i];
+        if right != 0.0 {
+            strain -= right * (u[i + 1] - u[i]).powi(2);
+        }
+    }
+    (kinetic + strain).sqrt()
 }
 
 /// ln of the factor a step over the last half, from the largest values of its third and fourth quarter.

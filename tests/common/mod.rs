@@ -5,6 +5,7 @@
 
 pub mod double_double;
 pub mod exact;
+pub mod numbers;
 pub mod scenes;
 
 use proptest::test_runner::{Config, RngSeed};

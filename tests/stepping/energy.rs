@@ -9,7 +9,7 @@ use super::{MASSES, run};
 
 /// v'Mv/2 + u_n'K u_{n+1}/2 with the penalty terms of a wall contact: what central differences keep. `after` is the
 /// state one step after u = `before`, so that its velocity is the one between them.
-fn leapfrog_energy(
+pub fn leapfrog_energy(
     pencil: &Pencil,
     p: Penalty,
     before: &[f64],

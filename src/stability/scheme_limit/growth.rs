@@ -12,21 +12,22 @@ use crate::spectrum::bisect;
 
 impl SchemeLimit<'_> {
     /// |z| - 1 at dt = `relative_courant` times the contact-free step: 0 where the scheme is stable, `None` where no
-    /// formula is at hand (several contacts of the predictor-corrector, a Park step beyond dt_c).
+    /// formula is at hand (a Park step beyond dt_c with a contact that moves the top mode).
     ///
     /// A real multiplier beyond -1 is found to rounding. Between dt^2 s' mu = 1 and about 4/3 the predictor-corrector
     /// has complex ones only; the largest grows by v dt^2 (dt^2 s' mu - 1)/(2 s'), to first order, with v the largest
-    /// residue of T(l) = -1/phi(l), at the modes x_h that hold the gap: v = (x_h'(K - l_h M) z)^2. For large s' that is
+    /// residue of T(l) = -1/phi(l), at the modes x_h that hold the gaps: v = |Z'(K - l_h M) x_h|^2. For large s' that is
     /// far below what a run can show.
     pub fn growth(&self, penalties: &[Penalty], relative_courant: f64) -> Option<f64> {
         if self.scheme() == Scheme::Park {
-            return (relative_courant <= 1.0).then(|| self.park_growth(penalties, relative_courant));
+            return self.park_growth(penalties, relative_courant);
         }
         let squared_step = 4.0 * relative_courant * relative_courant / self.contact_free.value;
         let (mu, q) = (self.compliance(), self.contact_eigenvalue(penalties));
         let plasticity = 0.25 * q * squared_step;
         let definite = Definite { limit: self, q, mu };
-        let real = real_growth(&definite, plasticity / mu / (1.0 - plasticity), squared_step);
+        let k = if q == 0.0 { 0.0 } else { plasticity / mu / (1.0 - plasticity) };
+        let real = real_growth(&definite, k, squared_step);
         if real.is_some() || plasticity <= 1.0 {
             return Some(real.unwrap_or(0.0));
         }
@@ -34,12 +35,12 @@ impl SchemeLimit<'_> {
         Some(residue * squared_step * (plasticity - 1.0) / (0.5 * q / mu))
     }
 
-    /// The largest residue -v of T at its poles, N rad^2/(m s^2); one contact only.
+    /// The largest residue -v of T at its poles, N rad^2/(m s^2); of several contacts the trace.
     fn largest_residue(&self) -> Option<f64> {
-        let [gap] = self.pencil.gaps() else { return None };
+        let gaps = self.pencil.gaps();
         let (k, m) =
-            (in_gap_coordinates(self.pencil.stiffness(), *gap), in_gap_coordinates(self.pencil.mass(), *gap));
-        let n = k.nrows() - 1;
+            (in_gap_coordinates(self.pencil.stiffness(), gaps), in_gap_coordinates(self.pencil.mass(), gaps));
+        let n = k.nrows() - gaps.len();
         let factor = Llt::new(m.get(..n, ..n), Side::Lower).ok()?;
         let mut reduced = k.get(..n, ..n).to_owned();
         solve_lower_triangular_in_place(factor.L(), reduced.as_mut(), Par::Seq);
@@ -50,8 +51,8 @@ impl SchemeLimit<'_> {
         solve_upper_triangular_in_place(factor.L().transpose(), shapes.as_mut(), Par::Seq);
         let residue = |h: usize| {
             let l = modes.S().column_vector()[h];
-            let coupling = |i: usize| shapes[(i, h)] * (k[(i, n)] - l * m[(i, n)]);
-            (0..n).map(coupling).sum::<f64>().powi(2)
+            let coupling = |i: usize, gap: usize| shapes[(i, h)] * (k[(i, gap)] - l * m[(i, gap)]);
+            (n..k.nrows()).map(|gap| (0..n).map(|i| coupling(i, gap)).sum::<f64>().powi(2)).sum()
         };
         Some((0..n).map(residue).fold(0.0, f64::max))
     }
@@ -66,7 +67,7 @@ fn real_growth(definite: &Definite, k: f64, squared_step: f64) -> Option<f64> {
     };
     // For large g the sign is that of M + Z k Z'.
     let at_rest = holds(0.0);
-    let far = k > 0.0;
+    let far = k >= 0.0;
     if at_rest == far {
         return None;
     }
@@ -78,32 +79,27 @@ fn real_growth(definite: &Definite, k: f64, squared_step: f64) -> Option<f64> {
     Some(low + 0.5 * (high - low))
 }
 
-/// A matrix with the gap of one contact as its last coordinate: the node of a wall, or in place of the right node of
-/// a pair q = u_left - u_right.
-fn in_gap_coordinates(matrix: &Tridiagonal, gap: Gap) -> Mat<f64> {
+/// A matrix with the gaps as its last coordinates: the node of a wall, or in place of the right node of a pair
+/// q = u_left - u_right.
+fn in_gap_coordinates(matrix: &Tridiagonal, gaps: &[Gap]) -> Mat<f64> {
     let n = matrix.diagonal.len();
-    let gap_node = match gap {
-        Gap::Wall { node } => node,
-        Gap::Pair { left } => left + 1,
-    };
     let at = |i: usize, j: usize| match i.abs_diff(j) {
         0 => matrix.diagonal[i],
         1 => matrix.off_diagonal[i.min(j)],
         _ => 0.0,
     };
-    // Column c of the change of coordinates: the node that it moves, with its neighbour across the contact.
-    let moved = |c: usize| -> Vec<(usize, f64)> {
-        if c + 1 == n {
-            let sign = if matches!(gap, Gap::Wall { .. }) { 1.0 } else { -1.0 };
-            return vec![(gap_node, sign)];
-        }
-        let node = if c < gap_node { c } else { c + 1 };
-        match gap {
-            Gap::Pair { left } if node == left => vec![(left, 1.0), (gap_node, 1.0)],
-            _ => vec![(node, 1.0)],
-        }
+    let gap_column = |gap: &Gap| match *gap {
+        Gap::Wall { node } => vec![(node, 1.0)],
+        Gap::Pair { left } => vec![(left + 1, -1.0)],
     };
-    let columns: Vec<_> = (0..n).map(moved).collect();
+    // Column c of the change of coordinates: the nodes that it moves.
+    let last: Vec<Vec<(usize, f64)>> = gaps.iter().map(gap_column).collect();
+    let is_last = |node: &usize| last.iter().any(|column| column[0].0 == *node);
+    let together = |node: usize| gaps.contains(&Gap::Pair { left: node });
+    let first = (0..n)
+        .filter(|node| !is_last(node))
+        .map(|node| if together(node) { vec![(node, 1.0), (node + 1, 1.0)] } else { vec![(node, 1.0)] });
+    let columns: Vec<_> = first.collect::<Vec<_>>().into_iter().chain(last).collect();
     Mat::from_fn(n, n, |a, b| {
         let pairs = columns[a].iter().flat_map(|x| columns[b].iter().map(move |y| (x, y)));
         pairs.map(|((i, x), (j, y))| x * y * at(*i, *j)).sum()

@@ -29,22 +29,29 @@ struct Fractions {
     coefficients: [f64; 4],
 }
 
+/// w and [a, b, c_0, c_1] for the multiplier -1 - `growth`.
+fn coefficients(theta: f64, alpha: f64, growth: f64) -> (f64, [f64; 4]) {
+    let w = theta * alpha * (1.0 - alpha) * (1.0 + alpha) / 6.0;
+    let c0 = 2.0 + growth;
+    let c1 = alpha * alpha * ((1.0 + growth) / c0);
+    let b = 0.5 * w * (1.0 + alpha * (growth / c0));
+    (w, [c1 + w, b, c0, c1])
+}
+
 impl Fractions {
     /// For the multiplier -1 - `growth`.
     fn new(theta: f64, alpha: f64, growth: f64) -> Self {
-        let w = theta * alpha * (1.0 - alpha) * (1.0 + alpha) / 6.0;
-        let c0 = 2.0 + growth;
-        let c1 = alpha * alpha * ((1.0 + growth) / c0);
-        let b = 0.5 * w * (1.0 + alpha * (growth / c0));
+        let (w, coefficients) = coefficients(theta, alpha, growth);
+        let [a, b, c0, c1] = coefficients;
         let q = 0.5 * c1 + (0.5 * c1).hypot((b * c0).sqrt());
         let e = b * (c0 / q);
         // Over l_n: x = 4 l/l_n.
         Self {
             above: 0.25 * c0 / q,
             below: 0.25 * q / b,
-            gain: (c1 + w + e) / (e + q),
+            gain: (a + e) / (e + q),
             loss: (e - w).max(0.0) / (e + q),
-            coefficients: [c1 + w, b, c0, c1],
+            coefficients,
         }
     }
 
@@ -107,11 +114,21 @@ impl SchemeLimit<'_> {
     }
 
     /// |z| - 1 > 0 of the real multiplier beyond -1 at dt = `alpha` dt_c: the growth in a step just above the limit.
-    /// 0 below the limit; alpha in (0, 1].
-    pub(super) fn park_growth(&self, penalties: &[Penalty], alpha: f64) -> f64 {
-        let margin = |growth: f64| self.margin(penalties, alpha, growth, Tilt::None);
+    /// 0 below the limit. Beyond dt_c that of the top mode, if no contact moves it.
+    pub(super) fn park_growth(&self, penalties: &[Penalty], alpha: f64) -> Option<f64> {
+        let margin = |growth: f64| {
+            if alpha > 1.0 {
+                self.top_margin(alpha, growth)
+            } else {
+                self.margin(penalties, alpha, growth, Tilt::None)
+            }
+        };
+        let touched = self.contact_eigenvalue(penalties) > 0.0;
+        if alpha > 1.0 && touched && self.park_alpha(penalties) < 1.0 {
+            return None;
+        }
         if margin(0.0) >= 0.0 {
-            return 0.0;
+            return Some(0.0);
         }
         let (mut low, mut high) = (f64::EPSILON * f64::EPSILON, f64::EPSILON);
         while margin(high) < 0.0 && high < f64::MAX {
@@ -119,7 +136,13 @@ impl SchemeLimit<'_> {
         }
         let (low, high) =
             find_sign_change((low, margin(low)), (high, margin(high)), f64::EPSILON.sqrt(), margin);
-        low + 0.5 * (high - low)
+        Some(low + 0.5 * (high - low))
+    }
+
+    /// c_0 - c_1 x - b x^2 of the contact-free top mode, x = 4.
+    fn top_margin(&self, alpha: f64, growth: f64) -> f64 {
+        let (_, [_, b, c0, c1]) = coefficients(self.theta, alpha, growth);
+        c0 - 4.0 * c1 - 16.0 * b
     }
 
     /// W of the single contact at alpha, m/N.

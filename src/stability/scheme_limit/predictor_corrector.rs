@@ -2,7 +2,8 @@
 
 use super::{COMPLIANCE_ERROR, SchemeLimit};
 use crate::pencil::Penalty;
-use crate::spectrum::{Enclosure, UNIT_ROUNDOFF, Uncertified, WIDEST_ENCLOSURE, certify};
+use crate::schemes::Scheme;
+use crate::spectrum::{Enclosure, Engine, UNIT_ROUNDOFF, Uncertified, WIDEST_ENCLOSURE, certify};
 
 impl SchemeLimit<'_> {
     pub(super) fn enclose_predictor_corrector(
@@ -32,6 +33,26 @@ impl SchemeLimit<'_> {
     }
 }
 
+impl SchemeLimit<'_> {
+    /// Where the scheme is stable again above its limit: intervals of dt over the contact-free step, ascending, each proven
+    /// from end to end and as wide as it can be to 1e-9. Empty where there is none, and for the Park scheme.
+    ///
+    /// They lie between the contact-free step and dt^2 s' mu = 1, where the contact of growing effective stiffness
+    /// k = dt^2 s'/(1 - dt^2 s' mu) holds the top mode. When the contact opens they are no more.
+    pub fn islands(&self, penalties: &[Penalty]) -> Vec<(f64, f64)> {
+        let q = self.contact_eigenvalue(penalties);
+        let Ok(limit) = self.enclose(penalties, None) else { return Vec::new() };
+        if self.scheme() == Scheme::Park || q == 0.0 || limit.lower >= self.contact_free.lower {
+            return Vec::new();
+        }
+        let definite = Definite { limit: self, q, mu: self.compliance() };
+        let mut found = Vec::new();
+        definite.stable_within(q * (1.0 + 1e-9), limit.lower, &mut found);
+        let relative = |l: f64| (self.contact_free.value / l).sqrt();
+        found.iter().map(|(low, high)| (relative(*high), relative(*low))).collect()
+    }
+}
+
 /// The sign of l M - K + t(l) Z Z' with t(l) = s' l/(l - q), q = 4 s' mu.
 pub(super) struct Definite<'a> {
     pub limit: &'a SchemeLimit<'a>,
@@ -53,21 +74,43 @@ impl Definite<'_> {
     }
 
     /// The highest interval of [low, high] in which definiteness is lost, narrowed to rounding; `None` if it is
-    /// nowhere. The tangent of t at the middle lies below t, and the matrix with the tangent is affine in l.
+    /// nowhere.
     fn last_loss(&self, low: f64, high: f64, depth: usize) -> Option<(f64, f64)> {
-        let middle = low + 0.5 * (high - low);
-        let slope = -self.stiffness(middle) * (self.q / middle) / (middle - self.q);
-        let tangent = |l: f64| self.stiffness(middle) + slope * (l - middle);
-        let kept = 1.0 - self.contact_error(middle);
-        let proven = |l: f64| self.holds(l * (1.0 - self.error(l)), tangent(l) * kept);
-        if proven(high) && proven(low) {
+        if self.is_definite_over(low, high) {
             return None;
         }
+        let middle = low + 0.5 * (high - low);
         // 64 halvings exhaust f64; an interval of 4 units in the last place is a point.
         if depth >= 64 || high - low <= 8.0 * UNIT_ROUNDOFF * high {
             return Some((low, high));
         }
         self.last_loss(middle, high, depth + 1).or_else(|| self.last_loss(low, middle, depth + 1))
+    }
+
+    /// Adds the intervals of [low, high] on which l M - K + t(l) Z Z' > 0 is proven, from above, neighbours joined. Within
+    /// an interval the matrix is no larger than high M - K + t(low) Z Z': if that is indefinite, so is all of it.
+    fn stable_within(&self, low: f64, high: f64, found: &mut Vec<(f64, f64)>) {
+        if self.is_definite_over(low, high) {
+            match found.last_mut() {
+                Some(last) if last.0 == high => last.0 = low,
+                _ => found.push((low, high)),
+            }
+        } else if self.holds(high, self.stiffness(low)) && high - low > 1e-10 * high {
+            let middle = low + 0.5 * (high - low);
+            self.stable_within(middle, high, found);
+            self.stable_within(low, middle, found);
+        }
+    }
+
+    /// Whether l M - K + t(l) Z Z' > 0 is proven all over [low, high]: the tangent of t at the middle lies below t, and
+    /// the matrix with the tangent is affine in l.
+    fn is_definite_over(&self, low: f64, high: f64) -> bool {
+        let middle = low + 0.5 * (high - low);
+        let slope = -self.stiffness(middle) * (self.q / middle) / (middle - self.q);
+        let tangent = |l: f64| self.stiffness(middle) + slope * (l - middle);
+        let kept = 1.0 - self.contact_error(middle);
+        let proven = |l: f64| self.holds(l * (1.0 - self.error(l)), tangent(l) * kept);
+        proven(high) && proven(low)
     }
 
     /// Relative error of l that stands for the rounding of T(l) in the closed form.

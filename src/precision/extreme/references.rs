@@ -2,7 +2,7 @@
 
 use super::{Case, Reference};
 
-const TABLE: &str = include_str!("../../tests/data/extreme_cases.csv");
+const TABLE: &str = include_str!("../../../tests/data/extreme_cases.csv");
 
 /// Why a case has no reference.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,0 +1,214 @@
+//! What does a digit cost? Error against run time, for the largest eigenvalue and for impacts stepped in time.
+//!
+//! Largest eigenvalue: every engine, LAPACK (with the feature `lapack`), scipy, and what codes use instead (bounds from
+//! elements and rows, power and Lanczos iterations) on four pencils of 10 to 1e5 elements, against values of 34 digits.
+//! Impacts: three schemes, three mass matrices, meshes and steps on the problems of the paper, and a numpy loop, against
+//! d'Alembert's solutions. An error comes from one run, a time is the smallest of others, one at a time with nothing
+//! recorded. What fails or takes too long stays in the table.
+
+use std::process::ExitCode;
+use std::time::Duration;
+
+use bipenalty::cli::{
+    Output, OutputOptions, Peers, Progress, Verdict, arguments, finish, machine, print_table,
+    restarted_with_one_blas_thread,
+};
+use bipenalty::error::Result;
+use bipenalty::fem::MassMatrix;
+use bipenalty::plot::precision_charts;
+use bipenalty::precision::{
+    Clock, EIGENPROBLEMS, ExactEigenvalues, Impactproblem, Measurement, Method, SCENES, SIZES, Status,
+    mark_front, markdown, measure_eigenvalues, measure_impacts,
+};
+use bipenalty::record::WorkRow;
+use bipenalty::schemes::Scheme;
+use clap::Parser;
+
+/// Error against run time of every engine and scheme, beside peers; exit status 1 if an engine errs more than it claims.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXAMPLES)]
+struct Options {
+    /// Fewer sizes and repeats: 20 s instead of 5 min
+    #[arg(long)]
+    quick: bool,
+    /// A Python with scipy whose times join the table, or none [default: python3 if it has scipy]
+    #[arg(long, value_name = "PYTHON")]
+    peers: Option<String>,
+    #[command(flatten)]
+    output: OutputOptions,
+}
+
+const EXAMPLES: &str = "Examples:
+  work-precision                                 everything, best on an idle machine
+  work-precision --quick --peers none            a part of it, without scipy
+  work-precision --peers my-venv/bin/python      scipy and numpy from a virtual environment";
+
+/// How much is measured.
+struct Plan {
+    clock: Clock,
+    sizes: &'static [usize],
+    elements: &'static [usize],
+    courants: &'static [f64],
+    peers_limit: Duration,
+}
+
+const FULL: Plan = Plan {
+    clock: Clock::FULL,
+    sizes: &SIZES,
+    elements: &[25, 50, 100, 200, 400, 800],
+    courants: &[0.25, 0.5, 0.9],
+    peers_limit: Duration::from_secs(90),
+};
+
+const QUICK: Plan = Plan {
+    clock: Clock::QUICK,
+    sizes: SIZES.first_chunk::<3>().unwrap(),
+    elements: &[25, 50, 100],
+    courants: &[0.5],
+    peers_limit: Duration::from_secs(8),
+};
+
+fn main() -> ExitCode {
+    restarted_with_one_blas_thread().unwrap_or_else(|| finish(run(&arguments::<Options>())))
+}
+
+fn run(options: &Options) -> Result<Verdict> {
+    let plan = if options.quick { QUICK } else { FULL };
+    let impacts = impacts(&plan)?;
+    let peers = Peers::find(options.peers.as_deref())?;
+    let output = Output::prepare(&options.output, "work-precision")?;
+    if options.output.explain {
+        Output::print_text(&explain(&plan, impacts.len(), peers.is_some()))?;
+        return Ok(Verdict::Holds);
+    }
+    let quiet = options.output.quiet;
+    let mut measurements = measure(&plan, &impacts, quiet)?;
+    if let Some(peers) = peers {
+        measurements.extend(measure_peers(&peers, &plan, options)?);
+    } else if !quiet {
+        eprintln!("peers left out: python3 cannot import scipy (--peers names another Python)");
+    }
+    mark_front(&mut measurements);
+    let rows: Vec<WorkRow> = measurements.iter().map(WorkRow::new).collect();
+    let files = write(&output, &plan, &measurements, &rows)?;
+    output.print(&rows)?;
+    if !quiet {
+        summarise(&measurements);
+        output.report(files);
+    }
+    let wrong = measurements.iter().any(|m| matches!(m.status, Status::Wrong(_)));
+    Ok(if wrong { Verdict::Fails } else { Verdict::Holds })
+}
+
+/// Scenes x masses x schemes x meshes x steps.
+fn impacts(plan: &Plan) -> Result<Vec<Impactproblem>> {
+    let mut impacts = Vec::new();
+    for scene in SCENES {
+        for mass in [MassMatrix::LUMPED, MassMatrix::AVERAGED, MassMatrix::CONSISTENT] {
+            for scheme in Scheme::ALL {
+                for courant in plan.courants {
+                    for elements in plan.elements {
+                        impacts.push(Impactproblem::new(scene, mass, scheme, *elements, *courant)?);
+                    }
+                }
+            }
+        }
+    }
+    Ok(impacts)
+}
+
+/// Everything that this crate can do itself.
+fn measure(plan: &Plan, impacts: &[Impactproblem], quiet: bool) -> Result<Vec<Measurement>> {
+    let eigenvalues = EIGENPROBLEMS.len() * plan.sizes.len() * Method::ALL.len();
+    let progress = Progress::new(eigenvalues + 2 * impacts.len(), "runs", quiet);
+    let done = || progress.add(1);
+    let exact = ExactEigenvalues::built_in();
+    let mut measurements = Vec::new();
+    for name in EIGENPROBLEMS {
+        progress.doing(name);
+        measurements.extend(measure_eigenvalues(name, plan.sizes, Method::ALL, &exact, &plan.clock, &done)?);
+    }
+    progress.doing("impacts");
+    measurements.extend(measure_impacts(impacts, &plan.clock, &done)?);
+    Ok(measurements)
+}
+
+/// scipy and numpy, by a script of their own.
+fn measure_peers(peers: &Peers, plan: &Plan, options: &Options) -> Result<Vec<Measurement>> {
+    let progress = Progress::new(0, "scripts", options.output.quiet);
+    progress.doing("scipy and numpy");
+    let arguments: &[&str] = if options.quick { &["--quick"] } else { &[] };
+    let script = include_str!("peers/work_precision.py");
+    let rows = peers.run(script, arguments, ExactEigenvalues::built_in().text(), plan.peers_limit)?;
+    drop(progress);
+    if let Some(why) = rows.broken_off {
+        eprintln!("the peers were broken off: {why}; the table has the rows before that");
+    }
+    Ok(rows.measurements)
+}
+
+fn write(output: &Output, plan: &Plan, measurements: &[Measurement], rows: &[WorkRow]) -> Result<usize> {
+    let mut files = output.write_rows("work-precision", rows)?.len();
+    files += output.write_markdown("work-precision", &markdown(measurements, &machine()))?.len();
+    if output.wants_figures() {
+        let size = plan.sizes.iter().copied().filter(|size| *size <= 1000).max().unwrap_or(plan.sizes[0]);
+        let figure = precision_charts::eigenvalue_errors(rows, size);
+        files += output.write_figure("eigenvalue-error", &figure)?.len();
+        files += output.write_figure("eigenvalue-time", &precision_charts::eigenvalue_times(rows))?.len();
+        for scene in SCENES {
+            let figure = precision_charts::impact_errors(rows, scene);
+            files += output.write_figure(&format!("stepping-{scene}"), &figure)?.len();
+        }
+    }
+    Ok(files)
+}
+
+fn explain(plan: &Plan, impacts: usize, peers: bool) -> String {
+    let methods: Vec<String> = Method::ALL.iter().map(|method| method.name()).collect();
+    format!(
+        "eigenvalues: {} on {} with {:?} elements, against tests/data/work_precision.csv\n\
+         impacts: {impacts} ({}; three mass matrices, three schemes, {:?} elements, C = {:?}), beta_s = 1e4, r = 1, \
+         against d'Alembert\n\
+         peers: {}\n\
+         times: the smallest of at least 3 runs, one at a time; left out: runs of more than {} s, recording while timed\n",
+        methods.join(", "),
+        EIGENPROBLEMS.join(", "),
+        plan.sizes,
+        SCENES.join(", "),
+        plan.elements,
+        plan.courants,
+        if peers { "scipy and numpy, by analyses/peers/work_precision.py" } else { "none" },
+        plan.clock.limit,
+    )
+}
+
+/// One line a method: how many measurements are done, on the front, not done.
+fn summarise(measurements: &[Measurement]) {
+    let mut methods: Vec<&str> = measurements.iter().map(|m| m.method.as_str()).collect();
+    let mut seen = Vec::new();
+    methods.retain(|method| {
+        !seen.contains(method) && {
+            seen.push(*method);
+            true
+        }
+    });
+    let header = ["method", "measured", "on a front", "largest |error|", "failed", "timed out", "WRONG"];
+    let line = |method: &&str| {
+        let of: Vec<&Measurement> = measurements.iter().filter(|m| m.method == *method).collect();
+        let count = |test: &dyn Fn(&Measurement) -> bool| of.iter().filter(|m| test(m)).count().to_string();
+        let errors = of.iter().filter_map(|m| m.error).map(f64::abs);
+        vec![
+            method.to_string(),
+            count(&|m| m.status == Status::Done),
+            count(&|m| m.on_front),
+            errors.reduce(f64::max).map_or_else(|| "-".to_owned(), |error| format!("{error:.1e}")),
+            count(&|m| matches!(m.status, Status::Failed(_))),
+            count(&|m| matches!(m.status, Status::TimedOut(_))),
+            count(&|m| matches!(m.status, Status::Wrong(_))),
+        ]
+    };
+    print_table(&header, methods.iter().map(line));
+    for m in measurements.iter().filter(|m| matches!(m.status, Status::Wrong(_))) {
+        eprintln!("{}, {}, {} elements: {} (error {:?})", m.problem, m.method, m.size, m.status, m.error);
+    }
+}
