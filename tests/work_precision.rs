@@ -74,6 +74,18 @@ fn bounds_are_safe_and_iterations_are_not() {
     assert!(small.into_iter().all(|m| m.error.unwrap().abs() < rounding), "{iterated:#?}");
 }
 
+/// LAPACK's own routines on the summed matrices: backward stable, so that l errs by a few n u of the largest entry.
+#[cfg(feature = "lapack")]
+#[test]
+fn lapack_routines_are_right() {
+    let measured = eigenvalues(&ExactEigenvalues::built_in(), &[Method::Dsygvx, Method::Dsbgvx]);
+    for m in measured.iter().filter(|m| m.status == Status::Done) {
+        let allowed = 64.0 * m.size as f64 * f64::EPSILON;
+        assert!(m.error.unwrap().abs() <= allowed, "{m:?}");
+    }
+    assert!(measured.iter().filter(|m| m.status == Status::Done).count() >= 16, "{measured:#?}");
+}
+
 /// The errors that analyses/peers/work_precision.py, written from the textbook, finds for the lumped Signorini impact of
 /// 100 elements at C = 1/2.
 #[test]
