@@ -246,6 +246,39 @@ pub fn optimal_scheme_ratio(models: &[Vec<OptimalRatioRow>], log: bool) -> Figur
     figure
 }
 
+/// What a ratio costs with a stiff contact: the step kept by every scheme with the first mass matrix, and the loss of the last
+/// scheme, Park's with `theta`, with every mass matrix. `models`: mass by mass, scheme by scheme, curves over a contact-free and a stiff beta_s.
+pub fn costs(models: &[Vec<Vec<StabilityRow>>], theta: f64) -> Figure {
+    let kept = |rows: &[StabilityRow]| -> Vec<(f64, f64)> {
+        let quotient = |(ratio, points): &(f64, Vec<(f64, f64)>)| match points[..] {
+            [(_, free), (_, stiff)] => Some((*ratio, stiff / free)),
+            _ => None,
+        };
+        curves_of(rows).iter().filter_map(quotient).collect()
+    };
+    let schemes = models.first().into_iter().flatten().enumerate().map(|(style, rows)| {
+        let name = rows.first().map_or(String::new(), |row| limit_name(row.limit));
+        Layer::curve(kept(rows), literal(&name), style)
+    });
+    let masses = models.iter().enumerate().filter_map(|(style, schemes)| {
+        let rows = schemes.last()?;
+        let loss: Vec<_> = kept(rows).into_iter().map(|(r, kept)| (r, 1.0 - kept)).collect();
+        Some(Layer::curve(loss, literal(&rows.first()?.mass), style))
+    });
+    let titles = models.first().and_then(|schemes| schemes.last()?.last()).map(|row| {
+        let at = format!("*β*_{{s}} = {}", number(row.stiffness_penalty.0));
+        (
+            format!("{}, {} mass, {at}", scene_name(&row.scene), row.mass),
+            format!("{}, *θ* = {theta}, {at}", limit_name(row.limit)),
+        )
+    });
+    let (mass, scheme) = titles.unwrap_or_default();
+    let kept = Axis::linear("step kept, of the contact-free one").over(0.0, 1.05);
+    let left = Panel::new(Axis::log(RATIO), kept, schemes.collect()).titled(mass);
+    let right = Panel::new(Axis::log(RATIO), Axis::log("step lost"), masses.collect()).titled(scheme);
+    figure(vec![left, right])
+}
+
 /// One panel fits a column, more take the width of the page.
 fn figure(panels: Vec<Panel>) -> Figure {
     let width = if panels.len() == 1 { Width::Single } else { Width::Double };

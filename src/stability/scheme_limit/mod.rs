@@ -73,7 +73,9 @@
 //! denominator decreases likewise. So C W reaches its first eigenvalue 1 once, and never again falls below. That no
 //! other multiplier leaves the unit circle before is not proven; it was found on all of some hundred random scenes,
 //! penalties and theta against the dense amplification matrix (`tests/scheme_limits.rs`), several unlike contacts
-//! included, and there was no stable island above.
+//! included, and there was no stable island above it up to dt_c. Beyond dt_c the contact-free scheme itself is unstable
+//! until its multiplier -1 returns at 3/(2 theta) dt_c: for theta = 1 a weak contact on few elements is stable again
+//! from 1.49 to 1.57 dt_c.
 //!
 //! For large s' the Park limit falls like 1/s' (theta > 0: W ~ w for small steps), faster than the 1/sqrt(s') of the others;
 //! and every contact that moves the top mode costs step at every ratio, since W grows without bound at dt_c.
