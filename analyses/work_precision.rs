@@ -40,8 +40,7 @@ struct Options {
 
 const EXAMPLES: &str = "Examples:
   work-precision                                 everything, best on an idle machine
-  work-precision --quick --peers none            a part of it, without scipy
-  work-precision --peers my-venv/bin/python      scipy and numpy from a virtual environment";
+  work-precision --quick --peers none            a part of it, without scipy";
 
 /// How much is measured.
 struct Plan {
