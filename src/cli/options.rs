@@ -224,7 +224,7 @@ impl FromStr for RatioSpec {
 /// Where the results go.
 #[derive(Debug, Clone, Args)]
 pub struct OutputOptions {
-    /// Directory for the files [default: figures/<tool>]
+    /// Directory for the files [default: figures/TOOL]
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
     /// What to write: svg, png, pdf, csv, json, tex, record
@@ -280,7 +280,7 @@ pub enum Format {
     Json,
     /// Source for pgfplots, with the records as csv that it reads
     Tex,
-    /// Command, revision, scene, engine, time and checks of each figure, as <figure>.record.json
+    /// Command, revision, scene, engine, time and checks of each figure, as FIGURE.record.json
     Record,
 }
 

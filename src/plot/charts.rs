@@ -333,7 +333,8 @@ pub fn costs(models: &[Vec<Vec<StabilityRow>>], theta: f64) -> Figure {
     let (mass, scheme) = titles.unwrap_or_default();
     let kept = Axis::linear("share of the step kept").over(0.0, 1.05);
     let left = Panel::new(Axis::log(RATIO), kept, schemes.collect()).titled(mass);
-    let right = Panel::new(Axis::log(RATIO), Axis::log("share of the step lost"), masses.collect()).titled(scheme);
+    let right =
+        Panel::new(Axis::log(RATIO), Axis::log("share of the step lost"), masses.collect()).titled(scheme);
     figure(vec![left, right])
 }
 

@@ -9,6 +9,9 @@ const SMALLEST_ERROR: f64 = 1e-17;
 
 const SECONDS: &str = "time [s]";
 
+/// How the methods that step at half the critical step end.
+const HALF: &str = "C=0.5";
+
 /// A method's name in the legend and its style. Methods of one kind share both.
 fn kind(method: &str) -> (&'static str, usize) {
     const KINDS: [(&str, &str, usize); 13] = [
@@ -69,8 +72,8 @@ pub fn eigenvalue_times(rows: &[WorkRow]) -> Figure {
     figure(problems(&rows).iter().map(panel).collect(), 2)
 }
 
-/// Errors of the impacts of one scene over time: one panel a mass matrix and quantity, one line a scheme and relative
-/// Courant number through the meshes.
+/// Errors of the impacts of one scene over time: one panel a mass matrix and quantity, one line a scheme through the meshes
+/// at half the critical step. Of other steps only what lies on the front is shown, as markers.
 pub fn impact_errors(rows: &[WorkRow], scene: &str) -> Figure {
     let prefix = format!("{scene}-");
     let rows: Vec<&WorkRow> =
@@ -79,10 +82,14 @@ pub fn impact_errors(rows: &[WorkRow], scene: &str) -> Figure {
         let of: Vec<&WorkRow> = rows.iter().filter(|row| row.problem == *problem).copied().collect();
         let methods = methods(of.iter().copied());
         let line = |method: &&str| {
-            let of: Vec<&WorkRow> = of.iter().filter(|row| row.method == *method).copied().collect();
-            markers(&of, true)
+            let halved = method.ends_with(HALF);
+            let shown = |row: &&&WorkRow| row.method == *method && (halved || row.on_front);
+            markers(&of.iter().filter(shown).copied().collect::<Vec<_>>(), halved)
         };
-        let layers = std::iter::once(front(&of)).chain(methods.iter().map(line)).collect();
+        let shown = methods.iter().filter(|method| {
+            method.ends_with(HALF) || of.iter().any(|row| row.method == **method && row.on_front)
+        });
+        let layers = std::iter::once(front(&of)).chain(shown.map(line)).collect();
         let what = problem.trim_start_matches(&prefix).replace('-', ", ");
         panel_of(error_axis("rms error", &rows), layers, format!("{}, {what}", scene_name(scene)))
     };

@@ -1,6 +1,6 @@
 //! Predicted limits as curves, the limits that stepping found as markers on them.
 
-use super::charts::{STYLES, Styles, all_curves, curves_of};
+use super::charts::{STYLES, Styles, all_curves, curves_of, limit_name};
 use super::{Figure, Layer, Naming};
 use crate::record::{StabilityRow, VerifyRow};
 
@@ -13,6 +13,9 @@ pub fn limits(predicted: &[Vec<StabilityRow>], measured: &[Vec<VerifyRow>], log:
     let mut figure = all_curves(predicted, log);
     figure.naming = Naming::Legend;
     for ((panel, rows), predicted) in figure.panels.iter_mut().zip(measured).zip(predicted) {
+        if let Some(row) = rows.first() {
+            panel.y.label = format!("*C*_{{r}}, {}", limit_name(row.scheme));
+        }
         for (ratio, _) in curves_of(predicted) {
             let of_ratio = rows.iter().filter(|row| row.ratio.0 == ratio);
             let point =

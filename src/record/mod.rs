@@ -49,7 +49,7 @@ pub fn csv<R: Serialize>(rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>> {
 /// value `null`.
 ///
 /// # Errors
-/// As [`csv`].
+/// As [`csv()`].
 pub fn json<R: Serialize>(provenance: &Provenance, rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>> {
     #[derive(Serialize)]
     struct Document<'a, R> {
@@ -62,7 +62,7 @@ pub fn json<R: Serialize>(provenance: &Provenance, rows: impl IntoIterator<Item 
 /// The record of a figure as JSON.
 ///
 /// # Errors
-/// As [`csv`].
+/// As [`csv()`].
 pub fn figure_json(record: &FigureRecord) -> Result<Vec<u8>> {
     pretty(record)
 }

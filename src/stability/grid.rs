@@ -136,7 +136,7 @@ impl Grid {
     ///
     /// # Errors
     /// Refuses an empty axis, a beta_s that is negative or not finite, an r that is not positive, and more than
-    /// [`MAX_POINTS`] points.
+    /// `MAX_POINTS` points.
     pub fn new(beta_s: &Axis, ratio: &Axis) -> Result<Self, Refusal> {
         let points = beta_s.values.len().checked_mul(ratio.values.len());
         if points.is_none_or(|points| points == 0 || points > MAX_POINTS) {

@@ -119,7 +119,9 @@ impl<'a> SchemeLimit<'a> {
     /// The limit of `scheme` (averaging `theta` for Park) for `model`, whose pencil is `pencil`.
     ///
     /// # Errors
-    /// Refuses what [`SchemeLimit::check`] refuses and a contact-free l_max that cannot be certified.
+    /// The central difference scheme (its limit is the spectrum's), theta outside [0, 1], the diagonalised mass penalty
+    /// of a pair; for the predictor-corrector contacts that are not alike, bodies of a single node and contact at every
+    /// node; a contact-free l_max that cannot be certified.
     pub fn new(model: &Model, pencil: &'a Pencil, scheme: Scheme, theta: f64) -> Result<Self, Refusal> {
         let closed_form = ClosedForm::new(model.scene(), model.mass());
         let contact_free = closed_form.enclose(&vec![Penalty::default(); model.scales().len()], None);
@@ -139,9 +141,7 @@ impl<'a> SchemeLimit<'a> {
     /// Refuses what the limits are not derived for.
     ///
     /// # Errors
-    /// The central difference scheme (its limit is the spectrum's), theta outside [0, 1], the diagonalised mass penalty
-    /// of a pair; for the predictor-corrector contacts that are not alike, bodies of a single node and contact at every
-    /// node.
+    /// As [`Self::new`].
     fn check(&self, model: &Model) -> Result<(), Refusal> {
         let refuse = |value: &str, allowed: &str| Err(Refusal::new("--limit", value, allowed));
         if self.scheme == Scheme::CentralDifference {
