@@ -51,12 +51,13 @@ const DECAYED: f64 = 1e-30;
 /// the range of f64.
 const MOST_ENLARGEMENTS: u32 = 1100;
 
-/// Steps that show a growth of `growth` (ln of the factor a step) in a search to `tolerance`. A short trial must exceed
-/// the threshold, from a growing mode that holds one part in e^10 of the start; in a long one a part in e^5 makes the
-/// late rise within e^6.
-pub fn steps_to_show(tolerance: f64, growth: f64) -> f64 {
-    let short = (10.0 + (3.0 / tolerance.sqrt()).ln()) / growth;
-    (6.0 / growth).max(short.min(long(tolerance))).ceil()
+/// Steps that show a growth of `growth` (ln of the factor a step) in a search to `tolerance`, if the growing mode holds
+/// about `share` of the start. A short trial must exceed the threshold, from one part in e^10 of this share; in a long one
+/// a part in e^5 makes the late rise within e^6.
+pub fn steps_to_show(tolerance: f64, growth: f64, share: f64) -> f64 {
+    let missing = -share.ln();
+    let short = (10.0 + missing + (3.0 / tolerance.sqrt()).ln()) / growth;
+    ((6.0 + missing) / growth).max(short.min(long(tolerance))).ceil()
 }
 
 /// Steps of a trial in which a late rise counts.
