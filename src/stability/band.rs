@@ -1,6 +1,6 @@
-//! A uniform bar inside its band, compressed: there T has poles, and a polynomial serves better than sines.
+//! What a uniform bar makes of l, compressed: polynomials serve better than sines and logarithms.
 //!
-//! With v = 1 - l/omega_e^2 > 0 and n phi = z, the free far end leaves T = -EA/h sqrt(L x v) tan z, with its first pole
+//! **Inside the band** T has poles. With v = 1 - l/omega_e^2 > 0 and n phi = z, the free far end leaves T = -EA/h sqrt(L x v) tan z, with its first pole
 //! at v_1, where z = pi/2 and the bar resonates with its contact end held. With xi = v/v_1,
 //!
 //! ```text
@@ -10,13 +10,17 @@
 //! Chebyshev coefficients fall like rho^-k, where the ellipse of rho ends in v_3 (rho = 34 for a long bar). An error e of
 //! H moves v by no more than e xi (1 - xi) v_1, since the equation c (1 - xi) = S xi H falls at least as fast as its
 //! last term alone.
+//!
+//! **Above the band** n theta = reach sqrt(y) P(y), where P is analytic up to y = -1 and needed only until tanh(n theta) is 1
+//! in f64: for a long bar over a short stretch.
 
 use std::f64::consts::FRAC_PI_2;
 
 use crate::spectrum::chebyshev;
 
-/// Coefficients of H.
+/// Coefficients of H, and of P.
 const TERMS: usize = 12;
+const ANGLE_TERMS: usize = 7;
 
 /// -T/(EA/h) inside the band, for a bar with a free far end.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,6 +103,48 @@ impl Band {
     }
 }
 
+/// n theta above the band as a function of y = l/omega_e^2 - 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Angle {
+    /// n theta/sqrt(y) near y = 0.
+    reach: f64,
+    /// 2 over the y from which on tanh(n theta) = 1.
+    scale: f64,
+    /// P in powers of t = scale y - 1.
+    coefficients: [f64; ANGLE_TERMS],
+}
+
+impl Angle {
+    /// For 0 <= y <= `saturated`; `None` where the series leaves out more than rounding does: below some 60 to 100
+    /// elements.
+    pub fn new(elements: f64, slope: f64, saturated: f64) -> Option<Self> {
+        let pole = 2.0 / saturated + 1.0;
+        let rho = pole + (pole * pole - 1.0).sqrt();
+        if rho.powi(-(ANGLE_TERMS as i32)) > f64::EPSILON / 4.0 {
+            return None;
+        }
+        let reach = 2.0 * elements / (1.0 + slope).sqrt();
+        let sample = |t: f64| {
+            let y = 0.5 * (1.0 + t) * saturated;
+            2.0 * elements * (y / (1.0 + slope * (1.0 + y))).sqrt().asinh() / (reach * y.sqrt())
+        };
+        Some(Self { reach, scale: 2.0 / saturated, coefficients: powers(&chebyshev(sample)) })
+    }
+
+    /// n theta and its derivative by y.
+    #[inline]
+    pub fn at(&self, y: f64) -> (f64, f64) {
+        let t = self.scale * y - 1.0;
+        let (mut value, mut slope) = (0.0, 0.0);
+        for c in self.coefficients.iter().rev() {
+            slope = slope * t + value;
+            value = value * t + c;
+        }
+        let start = self.reach * y.sqrt();
+        (start * value, start * (0.5 * value / y + self.scale * slope))
+    }
+}
+
 /// v = -y at phi: sin^2(phi/2) = v/(1 + slope (1 - v)) solved for v.
 pub fn fall_at(phi: f64, slope: f64) -> f64 {
     let sin2 = (0.5 * phi).sin().powi(2);
@@ -106,12 +152,12 @@ pub fn fall_at(phi: f64, slope: f64) -> f64 {
 }
 
 /// The coefficients of powers of t from those of Chebyshev polynomials, by T_(k+1) = 2 t T_k - T_(k-1).
-fn powers(chebyshev: &[f64; TERMS]) -> [f64; TERMS] {
-    let mut sum = [0.0; TERMS];
-    let (mut last, mut this) = ([0.0; TERMS], [0.0; TERMS]);
+fn powers<const N: usize>(chebyshev: &[f64; N]) -> [f64; N] {
+    let mut sum = [0.0; N];
+    let (mut last, mut this) = ([0.0; N], [0.0; N]);
     this[0] = 1.0;
     for (k, c) in chebyshev.iter().enumerate() {
-        (0..TERMS).for_each(|j| sum[j] += c * this[j]);
+        (0..N).for_each(|j| sum[j] += c * this[j]);
         let doubling = if k == 0 { 1.0 } else { 2.0 };
         let next = std::array::from_fn(|j| if j == 0 { 0.0 } else { doubling * this[j - 1] } - last[j]);
         (last, this) = (this, next);

@@ -5,7 +5,7 @@
 //! signs is the algorithm of Wittrick and Williams (Q. J. Mech. Appl. Math. 24, 1971).
 
 use super::UniformBar;
-use super::band::Band;
+use super::uniform_bar::Compressed;
 use crate::fem::{MassMatrix, assemble_shortened};
 use crate::pencil::{Penalty, Pencil};
 use crate::scene::{End, Scene};
@@ -18,7 +18,7 @@ use crate::spectrum::{
 enum Kind {
     /// One contact of one bar with a free far end, or of two such bars that are equal: nearly explicit.
     /// `share` is 1/(EA/h) of the bar, twice that where the gap is shared.
-    Alone { bar: UniformBar, band: Option<Band>, pair: bool, share: f64 },
+    Alone { bar: UniformBar, compressed: Compressed, pair: bool, share: f64 },
     /// One contact: a scalar equation T(l) = c(l).
     OneContact { left: Option<(UniformBar, bool)>, right: Option<(UniformBar, bool)> },
     /// None or several: the row is eliminated and l bisected.
@@ -160,12 +160,18 @@ fn compliance_bounds(chain: &Chain<UniformBar>, mass: MassMatrix) -> Vec<f64> {
 fn kind(chain: &Chain<UniformBar>, contacts: usize) -> Kind {
     let bars = &chain.segments;
     match (contacts, bars.len()) {
-        (1, 1) if !bars[0].left_fixed && !bars[0].right_fixed => {
-            Kind::Alone { bar: bars[0], band: bars[0].band(), pair: false, share: 1.0 / bars[0].stiffness }
-        }
-        (1, 2) if bars[0] == bars[1] && !bars[0].left_fixed => {
-            Kind::Alone { bar: bars[0], band: bars[0].band(), pair: true, share: 2.0 / bars[0].stiffness }
-        }
+        (1, 1) if !bars[0].left_fixed && !bars[0].right_fixed => Kind::Alone {
+            bar: bars[0],
+            compressed: bars[0].compressed(),
+            pair: false,
+            share: 1.0 / bars[0].stiffness,
+        },
+        (1, 2) if bars[0] == bars[1] && !bars[0].left_fixed => Kind::Alone {
+            bar: bars[0],
+            compressed: bars[0].compressed(),
+            pair: true,
+            share: 2.0 / bars[0].stiffness,
+        },
         (1, 1) => Kind::OneContact { left: Some((bars[0], true)), right: None },
         (1, 2) => Kind::OneContact {
             left: Some((bars[0], bars[0].left_fixed)),
@@ -214,11 +220,11 @@ impl Engine for ClosedForm {
 
     #[inline]
     fn estimate(&self, penalties: &[Penalty], start: Option<f64>) -> f64 {
-        if let Kind::Alone { bar, band, pair, share } = &self.kind {
+        if let Kind::Alone { bar, compressed, pair, share } = &self.kind {
             let p = &penalties[0];
             let b = share * p.stiffness;
             let b_mass = share * (p.mass + 0.5 * p.nodal_mass) * bar.eigenvalue;
-            if let Some(y) = bar.relative_rise(band.as_ref(), b, b_mass) {
+            if let Some(y) = bar.relative_rise(compressed, b, b_mass) {
                 // The common motion of two equal bars keeps its frequency unless mass is added to it.
                 let y = if *pair && p.nodal_mass == 0.0 { y.max(0.0) } else { y };
                 return bar.eigenvalue + bar.eigenvalue * y;

@@ -10,7 +10,7 @@
 //! So stiffness a (in units of EA/h) at the left end becomes o^2/(q - a) - q at the right end, with o^2 from its own
 //! formula: q^2 - w would lose it on a long bar, and with it the gap between two contact modes.
 
-use super::band::{Band, fall_at};
+use super::band::{Angle, Band, fall_at};
 use crate::fem::MassMatrix;
 use crate::scene::Bar;
 use crate::spectrum::Segment;
@@ -123,9 +123,12 @@ impl UniformBar {
         }
     }
 
-    /// T of the bar inside its band, compressed; `None` for the shortest bars.
-    pub(super) fn band(&self) -> Option<Band> {
-        Band::new(self.elements, self.factor, self.slope)
+    /// What the bar makes of l inside and above its band.
+    pub(super) fn compressed(&self) -> Compressed {
+        Compressed {
+            band: Band::new(self.elements, self.factor, self.slope),
+            angle: Angle::new(self.elements, self.slope, self.saturated_rise),
+        }
     }
 
     /// l_max of the bar alone, rad^2/s^2: omega_e^2 with two free ends; with fixed ends the n theta = i phi at which
@@ -140,6 +143,13 @@ impl UniformBar {
         let (diagonal, off) = mass.entries();
         diagonal / ((diagonal - off) * (diagonal + off)) / self.element_mass
     }
+}
+
+/// The functions of one bar that are compressed; `None` for short bars.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Compressed {
+    band: Option<Band>,
+    angle: Option<Angle>,
 }
 
 /// The ends of a bar at one l, everything between eliminated.
@@ -209,22 +219,26 @@ impl UniformBar {
     /// With p = b - b_mass the equation is T = p - b_mass y. Where tanh(n theta) = 1 in f64 it is the quadratic
     /// L x y = (p - b_mass y)^2, whose root is formed without cancellation.
     #[inline]
-    pub(super) fn relative_rise(&self, band: Option<&Band>, b: f64, b_mass: f64) -> Option<f64> {
+    pub(super) fn relative_rise(&self, compressed: &Compressed, b: f64, b_mass: f64) -> Option<f64> {
         let p = b - b_mass;
         if p <= 0.0 {
-            return if p == 0.0 { Some(0.0) } else { Some(-band?.root(-p, b_mass)?) };
+            return if p == 0.0 { Some(0.0) } else { Some(-compressed.band.as_ref()?.root(-p, b_mass)?) };
         }
         let l = self.factor / p;
         let y = 2.0 * p / (2.0 * b_mass + l + (l * (l + 4.0 * b)).sqrt());
-        if y >= self.saturated_rise { Some(y) } else { self.above_band(p, b_mass, y) }
+        if y >= self.saturated_rise {
+            Some(y)
+        } else {
+            self.above_band(compressed.angle.as_ref(), p, b_mass, y)
+        }
     }
 
     /// The same for the few elements or small p that need T = sqrt(w) tanh(n theta), from the root for tanh = 1.
     ///
     /// Halley's method in y. The guess takes x = 1, n theta = z = reach sqrt(y), and inverts t = z tanh z by
     /// z^2 = t^2 + t g(t), where g falls from 1 to 0; the rational g is within 0.05, so that z^2 is within 2 %.
-    /// An error e of theta, from the 1 in the logarithm, moves y by e sqrt(y).
-    fn above_band(&self, p: f64, b_mass: f64, saturated: f64) -> Option<f64> {
+    /// An error e of theta, from the 1 in its logarithm, moves y by e sqrt(y).
+    fn above_band(&self, angle: Option<&Angle>, p: f64, b_mass: f64, saturated: f64) -> Option<f64> {
         let root = saturated.sqrt();
         let t = self.reach * root;
         let inertia = b_mass / (self.reach * self.speed);
@@ -235,21 +249,20 @@ impl UniformBar {
                 return Some(y);
             }
             let x = 1.0 + y;
-            let d = 1.0 + self.slope * x;
             let w = self.factor * x * y;
             if !w.is_finite() {
                 return None;
             }
-            // e^theta = 1 + 2 (y + half)/d and sinh(theta) = 2 half/d.
-            let half = (y * (d + y)).sqrt();
-            let z = self.elements * (1.0 + 2.0 * (y + half) / d).ln();
+            let (z, z_slope) = match angle {
+                Some(angle) => angle.at(y),
+                None => self.angle(y),
+            };
             let decay = (-2.0 * z).exp();
             let part = 1.0 / (1.0 + decay);
             let (tanh, sech2) = ((1.0 - decay) * part, 4.0 * decay * part * part);
             let root = w.sqrt();
             let t = root * tanh;
-            let t_slope =
-                t * (0.5 + y) / (x * y) + root * sech2 * self.elements * (1.0 + self.slope) / (d * half);
+            let t_slope = t * (0.5 + y) / (x * y) + root * sech2 * z_slope;
             // T'' as for a long bar, where z grows like sqrt(y).
             let bend = (z * sech2 * (1.0 - 2.0 * z * tanh) - tanh) * root / (4.0 * y * y);
             let (value, slope) = (p - b_mass * y - t, t_slope + b_mass);
@@ -262,5 +275,13 @@ impl UniformBar {
             }
         }
         None
+    }
+    /// n theta above the band and its derivative by y, by e^theta = 1 + 2 (y + half)/d and sinh(theta) = 2 half/d.
+    #[inline]
+    fn angle(&self, y: f64) -> (f64, f64) {
+        let d = 1.0 + self.slope * (1.0 + y);
+        let half = (y * (d + y)).sqrt();
+        let z = self.elements * (1.0 + 2.0 * (y + half) / d).ln();
+        (z, self.elements * (1.0 + self.slope) / (d * half))
     }
 }
