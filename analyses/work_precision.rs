@@ -147,16 +147,18 @@ fn measure_peers(peers: &Peers, plan: &Plan, options: &Options) -> Result<Vec<Me
 }
 
 fn write(output: &Output, plan: &Plan, measurements: &[Measurement], rows: &[WorkRow]) -> Result<usize> {
-    let mut files = output.write_rows("work-precision", rows)?.len();
-    files += output.write_markdown("work-precision", &markdown(measurements, &machine()))?.len();
+    const RECORDS: &str = "work-precision";
+    let mut files = output.write_rows(RECORDS, rows)?.len();
+    files += output.write_markdown(RECORDS, &markdown(measurements, &machine()))?.len();
     if output.wants_figures() {
+        let draw = |stem: &str, figure| output.write_figure_from(RECORDS, stem, figure);
         let size = plan.sizes.iter().copied().filter(|size| *size <= 1000).max().unwrap_or(plan.sizes[0]);
         let figure = precision_charts::eigenvalue_errors(rows, size);
-        files += output.write_figure("eigenvalue-error", &figure)?.len();
-        files += output.write_figure("eigenvalue-time", &precision_charts::eigenvalue_times(rows))?.len();
+        files += draw("eigenvalue-error", &figure)?.len();
+        files += draw("eigenvalue-time", &precision_charts::eigenvalue_times(rows))?.len();
         for scene in SCENES {
             let figure = precision_charts::impact_errors(rows, scene);
-            files += output.write_figure(&format!("stepping-{scene}"), &figure)?.len();
+            files += draw(&format!("stepping-{scene}"), &figure)?.len();
         }
     }
     Ok(files)

@@ -106,7 +106,7 @@ def with_eigh(p):
 
 def with_eig_banded(p):
     if np.any(p.mo):
-        raise ValueError("eig_banded knows no mass matrix; only a lumped one can be divided out")
+        raise ValueError("no mass matrix")
     scale = 1 / np.sqrt(p.md)
     band = np.zeros((2, len(p.kd)))
     band[0] = p.kd * scale**2

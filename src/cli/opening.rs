@@ -189,7 +189,7 @@ impl OpeningResult {
         for rows in self.rows.chunk_by(|a, b| (&a.scene, &a.mass) == (&b.scene, &b.mass)) {
             if is_map(rows) {
                 let stem = format!("opening-{}-{}", rows[0].scene, rows[0].mass);
-                files += output.write_figure(&stem, &gain_maps(rows))?.len();
+                files += output.write_figure_from("opening", &stem, &gain_maps(rows))?.len();
             }
         }
         Ok(files)

@@ -139,7 +139,15 @@ impl Output {
     /// # Errors
     /// What the drawing layer refuses and what the system says of the file.
     pub fn write_figure(&self, stem: &str, figure: &Figure) -> Result<Vec<PathBuf>> {
-        self.write_figure_of(stem, figure, &[stem.to_owned()], None::<[(); 0]>)
+        self.write_figure_from(stem, stem, figure)
+    }
+
+    /// Draws `figure`, which shows rows written as `source`.
+    ///
+    /// # Errors
+    /// As [`Self::write_figure`].
+    pub fn write_figure_from(&self, source: &str, stem: &str, figure: &Figure) -> Result<Vec<PathBuf>> {
+        self.write_figure_of(stem, figure, &[source.to_owned()], None::<[(); 0]>)
     }
 
     /// Draws `figure`, which shows the rows written as `sources`; `about` are rows that say more of the same runs.
