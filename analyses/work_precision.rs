@@ -15,7 +15,7 @@ use bipenalty::cli::{
 };
 use bipenalty::error::Result;
 use bipenalty::fem::MassMatrix;
-use bipenalty::plot::precision_charts;
+use bipenalty::plot::{Figure, precision_charts};
 use bipenalty::precision::{
     Clock, EIGENPROBLEMS, ExactEigenvalues, Impactproblem, Measurement, Method, SCENES, SIZES, Status,
     mark_front, markdown, measure_eigenvalues, measure_impacts,
@@ -151,7 +151,7 @@ fn write(output: &Output, plan: &Plan, measurements: &[Measurement], rows: &[Wor
     let mut files = output.write_rows(RECORDS, rows)?.len();
     files += output.write_markdown(RECORDS, &markdown(measurements, &machine()))?.len();
     if output.wants_figures() {
-        let draw = |stem: &str, figure| output.write_figure_from(RECORDS, stem, figure);
+        let draw = |stem: &str, figure: &Figure| output.write_figure_from(RECORDS, stem, figure);
         let size = plan.sizes.iter().copied().filter(|size| *size <= 1000).max().unwrap_or(plan.sizes[0]);
         let figure = precision_charts::eigenvalue_errors(rows, size);
         files += draw("eigenvalue-error", &figure)?.len();
