@@ -95,13 +95,18 @@ impl FigureRecord {
     }
 }
 
+/// The columns that say whether a check of a row holds.
+const VERDICTS: [&str; 2] = ["holds", "agrees"];
+
 /// What the columns of a table state of its rows: verdicts, enclosures, certificates and endings.
 fn checks(table: &Table) -> Vec<Check> {
     let mut checks = Vec::new();
-    for name in &table.header {
-        let cells = table.column(name).unwrap_or_default();
-        if !cells.is_empty() && cells.iter().all(|cell| matches!(*cell, "true" | "false")) {
-            checks.push(count(name.clone(), cells, |cell| *cell == "true"));
+    for name in VERDICTS {
+        // An empty cell is no verdict.
+        let cells = table.column(name).unwrap_or_default().into_iter().filter(|cell| !cell.is_empty());
+        let cells: Vec<_> = cells.collect();
+        if !cells.is_empty() {
+            checks.push(count(name.to_owned(), cells, |cell| *cell == "true"));
         }
     }
     if let Some(engines) = table.column("engine") {
