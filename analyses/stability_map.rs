@@ -51,7 +51,7 @@ const EXAMPLES: &str = "Examples:
   stability-map my-bars.toml --beta-s 10 --ratio 1  which time step is safe for my bars
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
-  stability-map signorini --limit predictor-corrector --beta-s 1e6 --ratio plastic --relative-courant .9
+  stability-map hunek --limit predictor-corrector --beta-s 1e6 --ratio plastic
   stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv
   stability-map --from figures/stability-map/fig3-1-lumped.csv --width single --format pdf,tex";
 

@@ -123,12 +123,12 @@ impl Output {
         Ok(written)
     }
 
-    /// Writes `text` as `stem.md`, unless records go to standard output.
+    /// Writes `text`, a table of the records, as `stem.md` beside their CSV.
     ///
     /// # Errors
     /// What the system says of the file.
     pub fn write_markdown(&self, stem: &str, text: &str) -> Result<Vec<PathBuf>> {
-        if self.to_stdout() {
+        if !self.writes(Format::Csv) {
             return Ok(Vec::new());
         }
         Ok(self.write(stem, "md", text.as_bytes())?.into_iter().collect())

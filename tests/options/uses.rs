@@ -8,6 +8,8 @@ pub const BAR: &str = "signorini --elements 2 --mass lumped";
 pub const POINTS: &str = "signorini --elements 2 --mass lumped --beta-s 1,2";
 pub const IMPACT: &str = "signorini --elements 4 --mass lumped --beta-s 1 --scheme park";
 
+const OPENING: &str = "signorini --elements 4 --mass lumped --scheme park --beta-s 1 --ratio 1 --contact opening --fraction 0.5";
+
 /// What a run must show; the records are those of `--stdout csv`.
 #[derive(Clone, Copy)]
 pub enum Seen {
@@ -195,25 +197,25 @@ pub const USES: &[(&str, &str, &str, Seen)] = &[
     (
         "verify-limits",
         "--elements",
-        "hunek --elements 2 --mass lumped --beta-s 1 --ratio 1",
+        "hunek --elements 2 --mass lumped --beta-s 1 --ratio 1 --scheme central-difference",
         Column("elements", &["6"]),
     ),
     (
         "verify-limits",
         "--mass",
-        "signorini --elements 1 --mass 0.3,lumped --beta-s 1 --ratio 1",
+        "signorini --elements 1 --mass 0.3,lumped --beta-s 1 --ratio 1 --scheme central-difference",
         Column("gamma", &["0.3", "1.0"]),
     ),
     (
         "verify-limits",
         "--beta-s",
-        "signorini --elements 1 --mass lumped --beta-s 1,2 --ratio 1",
+        "signorini --elements 1 --mass lumped --beta-s 1,2 --ratio 1 --scheme central-difference",
         Column("stiffness_penalty", &["1.0", "2.0"]),
     ),
     (
         "verify-limits",
         "--ratio",
-        "signorini --elements 1 --mass lumped --beta-s 1 --ratio 2,inf",
+        "signorini --elements 1 --mass lumped --beta-s 1 --ratio 2,inf --scheme central-difference",
         Column("ratio", &["2.0", "inf"]),
     ),
     (
@@ -234,6 +236,29 @@ pub const USES: &[(&str, &str, &str, Seen)] = &[
         "signorini --elements 1 --mass lumped --beta-s 1 --ratio 2 --tolerance 1e-2",
         Other("signorini --elements 1 --mass lumped --beta-s 1 --ratio 2"),
     ),
+    (
+        "verify-limits",
+        "--theta",
+        "signorini --elements 1 --mass lumped --beta-s 1 --ratio 1 --scheme park --theta 1",
+        Other("signorini --elements 1 --mass lumped --beta-s 1 --ratio 1 --scheme park"),
+    ),
+    ("verify-limits", "--contact", OPENING, All("contact", "opening")),
+    (
+        "verify-limits",
+        "--fraction",
+        "signorini --elements 4 --mass lumped --scheme park --beta-s 1 --ratio 1 --contact opening --fraction 0.25",
+        Other(OPENING),
+    ),
+    (
+        "work-precision",
+        "--quick",
+        "--quick --peers none",
+        Holds(|scratch| {
+            let records = text(scratch, "there/work-precision.csv");
+            assert!(column(&records, "size").iter().all(|size| size.parse::<usize>().unwrap() <= 1000));
+        }),
+    ),
+    ("work-precision", "--peers", "--quick --peers no-python", Refused("--peers")),
     ("step-speed", "--repeats", "--repeats 0", Refused("--repeats")),
     ("map-speed", "--points", "--points 1", Refused("2 to")),
 ];
