@@ -63,7 +63,7 @@ struct Options {
 
 const EXAMPLES: &str = "Examples:
   verify-limits                                   the points of Fig. 3, into figures/verify-limits/
-  verify-limits signorini --mass 1 --beta-s log:1e-3:1e12:20 --ratio log:.1:1e3:20 --tolerance 1e-4
+  verify-limits signorini --scheme central-difference --mass 1 --beta-s 1,1e4 --ratio .5,1,inf
   verify-limits signorini --elements 10 --scheme park --theta 1 --beta-s 1,1e3,1e6 --ratio 1,4
   verify-limits my-bars.toml --beta-s 10 --stdout csv
   verify-limits --contact opening                 energy gained, and the steps to recommend
