@@ -78,7 +78,7 @@ impl SchemeLimit<'_> {
         let free = self.contact_free;
         // Two signs with the error of W on the right side prove the value; the interval widens until they do.
         let mut spread = 4.0 * f64::EPSILON;
-        while spread < 1e-12 {
+        while spread < WIDEST_ENCLOSURE {
             let (low, high) = (alpha * (1.0 - spread), (alpha * (1.0 + spread)).min(1.0));
             let stable = self.margin(penalties, low, 0.0, Tilt::Pessimistic) > 0.0;
             let (l_low, l_high) = (free.value / (high * high), free.value / (low * low));
@@ -103,7 +103,8 @@ impl SchemeLimit<'_> {
         }
         let mut low = (0.5, deficit(0.5));
         while low.1 >= 0.0 && low.0 > f64::MIN_POSITIVE {
-            // W falls at least like alpha.
+            // W falls at least like alpha: the drop that this allows, twice over. Next to a pole W is so large that the
+            // drop would leave f64 behind the root; a millionth at a time leads back.
             high = low;
             let drop = 0.5 * (1.0 - low.1) / (1.0 + low.1);
             let alpha = low.0 * drop.clamp(1e-6, 0.5);

@@ -33,6 +33,9 @@ impl SchemeLimit<'_> {
     }
 }
 
+/// How closely the ends of an island are looked for, relative: far below what stepping tells apart, and 30 halvings.
+const RESOLUTION: f64 = 1e-9;
+
 impl SchemeLimit<'_> {
     /// Where the scheme is stable again above its limit: intervals of dt over the contact-free step, ascending, each proven
     /// from end to end and as wide as it can be to 1e-9. Empty where there is none, and for the Park scheme.
@@ -47,7 +50,7 @@ impl SchemeLimit<'_> {
         }
         let definite = Definite { limit: self, q, mu: self.compliance() };
         let mut found = Vec::new();
-        definite.stable_within(q * (1.0 + 1e-9), limit.lower, &mut found);
+        definite.stable_within(q * (1.0 + RESOLUTION), limit.lower, &mut found);
         let relative = |l: f64| (self.contact_free.value / l).sqrt();
         found.iter().map(|(low, high)| (relative(*high), relative(*low))).collect()
     }
@@ -95,7 +98,7 @@ impl Definite<'_> {
                 Some(last) if last.0 == high => last.0 = low,
                 _ => found.push((low, high)),
             }
-        } else if self.holds(high, self.stiffness(low)) && high - low > 1e-10 * high {
+        } else if self.holds(high, self.stiffness(low)) && high - low > 0.1 * RESOLUTION * high {
             let middle = low + 0.5 * (high - low);
             self.stable_within(middle, high, found);
             self.stable_within(low, middle, found);
