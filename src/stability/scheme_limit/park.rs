@@ -12,7 +12,7 @@
 
 use super::{COMPLIANCE_ERROR, SchemeLimit};
 use crate::pencil::{Penalty, Tridiagonal};
-use crate::spectrum::{Enclosure, UNIT_ROUNDOFF, Uncertified, certify, find_sign_change};
+use crate::spectrum::{Enclosure, UNIT_ROUNDOFF, Uncertified, WIDEST_ENCLOSURE, certify, find_sign_change};
 
 /// The partial fractions of the characteristic function.
 #[derive(Debug, Clone, Copy)]
