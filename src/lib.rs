@@ -105,6 +105,7 @@ pub mod precision;
 pub mod record;
 pub mod scene;
 pub mod schemes;
+pub mod sparse;
 pub mod spectrum;
 pub mod stability;
 pub mod verify;

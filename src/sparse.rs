@@ -1,0 +1,144 @@
+//! Sparse matrices and vectors of any mesh: compressed rows, as scipy's CSR.
+//!
+//! A symmetric matrix is stored whole, so that a row is its column and a product needs one pass. Column indices are
+//! 32 bits wide: a product is bound by memory, and reads 12 bytes an entry.
+
+use rayon::prelude::*;
+
+/// Rows that one task of a parallel product takes.
+const ROWS: usize = 4096;
+
+/// A sparse matrix by rows, `rows` x `columns`; the columns of each row ascend and occur once.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Csr {
+    columns: usize,
+    /// Where each row starts in `indices` and `values`; one more at the end.
+    starts: Vec<usize>,
+    /// Columns.
+    indices: Vec<u32>,
+    values: Vec<f64>,
+}
+
+/// A sparse column, such as the gap z of one contact: (index, entry) with ascending indices.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SparseVector(pub Vec<(u32, f64)>);
+
+impl SparseVector {
+    /// z'x.
+    pub fn dot(&self, x: &[f64]) -> f64 {
+        self.0.iter().map(|(i, z)| z * x[*i as usize]).sum()
+    }
+
+    /// x += factor z.
+    pub fn add_to(&self, factor: f64, x: &mut [f64]) {
+        self.0.iter().for_each(|(i, z)| x[*i as usize] += factor * z);
+    }
+}
+
+impl Csr {
+    /// The matrix of entries (row, column, value) in any order; those of the same place are added.
+    ///
+    /// Every row must be below `rows`, every column below `columns`, and `columns` at most 2^32.
+    pub fn from_triplets(rows: usize, columns: usize, entries: &[(u32, u32, f64)]) -> Self {
+        let mut starts = vec![0_usize; rows + 1];
+        entries.iter().for_each(|(row, ..)| starts[*row as usize + 1] += 1);
+        (0..rows).for_each(|row| starts[row + 1] += starts[row]);
+        let mut next = starts.clone();
+        let mut sorted = vec![(0_u32, 0.0); entries.len()];
+        for (row, column, value) in entries {
+            sorted[next[*row as usize]] = (*column, *value);
+            next[*row as usize] += 1;
+        }
+        let mut matrix = Self { columns, starts: vec![0], indices: Vec::new(), values: Vec::new() };
+        for row in 0..rows {
+            let entries = &mut sorted[starts[row]..starts[row + 1]];
+            entries.sort_by_key(|(column, _)| *column);
+            matrix.push_row(entries);
+        }
+        matrix
+    }
+
+    /// Appends a row whose columns ascend; equal ones are added.
+    fn push_row(&mut self, entries: &[(u32, f64)]) {
+        let start = self.indices.len();
+        for (column, value) in entries {
+            match self.indices[start..].last() {
+                Some(last) if last == column => {
+                    let at = self.values.len() - 1;
+                    self.values[at] += value;
+                }
+                _ => {
+                    self.indices.push(*column);
+                    self.values.push(*value);
+                }
+            }
+        }
+        self.starts.push(self.indices.len());
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Number of stored entries.
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Whether no entry is stored.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Columns and values of a row.
+    pub fn row(&self, row: usize) -> (&[u32], &[f64]) {
+        let range = self.starts[row]..self.starts[row + 1];
+        (&self.indices[range.clone()], &self.values[range])
+    }
+
+    /// Row starts, columns and values: what a factorisation or a foreign package reads.
+    pub fn parts(&self) -> (&[usize], &[u32], &[f64]) {
+        (&self.starts, &self.indices, &self.values)
+    }
+
+    /// The entry at a place, 0 where none is stored.
+    pub fn get(&self, row: usize, column: usize) -> f64 {
+        let (columns, values) = self.row(row);
+        columns.binary_search(&(column as u32)).map_or(0.0, |at| values[at])
+    }
+
+    /// y = A x, rows in parallel; the result does not depend on the number of threads.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        y.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, y)| {
+            let first = chunk * ROWS;
+            for (i, y) in y.iter_mut().enumerate() {
+                let (columns, values) = self.row(first + i);
+                *y = columns.iter().zip(values).map(|(column, value)| value * x[*column as usize]).sum();
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triplets_in_any_order_add_up_and_multiply() {
+        let entries = [(1, 2, 5.0), (0, 0, 1.0), (1, 0, 2.0), (1, 2, 0.5), (2, 1, -3.0)];
+        let a = Csr::from_triplets(3, 3, &entries);
+        assert_eq!((a.rows(), a.len(), a.get(1, 2), a.get(2, 2)), (3, 4, 5.5, 0.0));
+        let mut y = [f64::NAN; 3];
+        a.multiply(&[1.0, 10.0, 100.0], &mut y);
+        assert_eq!(y, [1.0, 552.0, -30.0]);
+        let mut x = [0.0; 3];
+        SparseVector(vec![(0, 2.0), (2, -1.0)]).add_to(3.0, &mut x);
+        assert_eq!((x, SparseVector(vec![(2, 2.0)]).dot(&x)), ([6.0, 0.0, -3.0], -6.0));
+    }
+}
