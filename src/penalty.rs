@@ -1,11 +1,11 @@
-//! The bi-penalty: a stiffness penalty s and a matching mass penalty m for each contact (paper, (21) to (24)).
+//! The bi-penalty: a stiffness penalty s and a matching mass penalty m (paper, (21) to (24)).
 //!
 //! ```text
 //! s = beta_s EA/h      m = beta_m rho h A/2      r = (1+2g)/6 beta_s/beta_m      =>      m = s/(r omega_e^2)
 //! ```
 //! r = 1 is the optimum M_p = K_p/omega_e^2 (32), r = inf the pure penalty method, beta_s = 0 contact-free. Between
-//! unequal elements s takes the smaller EA/h and omega_e the larger element frequency, so that r = 1 keeps its
-//! meaning.
+//! unequal elements s takes the smaller EA/h. omega_e is one number for the scene, the largest element frequency at its
+//! contacts, so that M_p is a multiple of K_p.
 //!
 //! ```
 //! use bipenalty::penalty::{Ratio, StiffnessPenalty};
@@ -15,20 +15,10 @@
 //! # Ok::<(), bipenalty::error::Refusal>(())
 //! ```
 
-use crate::error::Refusal;
-use crate::fem::MassMatrix;
-use crate::pencil::Penalty;
-use crate::scene::{Bar, ContactSite, Scene};
+pub use crate::pencil::PenaltyMass;
 
-/// The form of the mass penalty M_p.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum PenaltyMass {
-    /// M_p = m z z'.
-    #[default]
-    Consistent,
-    /// Row sums of |M_p| (paper 4.4): m on the node of a wall, 2m on each node of a pair.
-    Diagonalised,
-}
+use crate::error::Refusal;
+use crate::pencil::Penalty;
 
 /// The stiffness penalty beta_s >= 0, dimensionless, finite.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
@@ -77,87 +67,32 @@ impl Ratio {
     }
 }
 
-/// What the penalty of one contact is measured in.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactScale {
-    /// The smaller EA/h of the touching elements, N/m: s = beta_s times this.
-    pub stiffness: f64,
-    /// The larger omega_e^2 of the touching elements, rad^2/s^2: m = s/(r times this).
-    pub element_eigenvalue: f64,
-    pair: bool,
-}
-
-impl ContactScale {
-    /// The scales of the contacts of `scene` from left to right.
-    pub fn of(scene: &Scene, mass: MassMatrix) -> Vec<Self> {
-        scene.contact_sites().into_iter().map(|site| Self::at(scene, mass, site)).collect()
+/// Refuses the corner of a grid that f64 cannot hold: s, s/r, m of a contact of scale w (N/m) and beta_s omega^2 (the size
+/// of omega_max^2 without a mass penalty) must be normal numbers with room for a sum. `reference` is omega^2.
+///
+/// # Errors
+/// Names the quantity that overflows or underflows, with the beta_s and r that cause it.
+pub fn check(scale: f64, reference: f64, beta_s: StiffnessPenalty, ratio: Ratio) -> Result<(), Refusal> {
+    let (b, r) = (beta_s.get(), ratio.get());
+    if b == 0.0 {
+        return Ok(());
     }
-
-    fn at(scene: &Scene, mass: MassMatrix, site: ContactSite) -> Self {
-        let touching = touching_bars(scene, site);
-        let stiffness = touching.iter().map(Bar::element_stiffness).fold(f64::INFINITY, f64::min);
-        let element_eigenvalue = touching.iter().map(|bar| mass.element_eigenvalue(bar)).fold(0.0, f64::max);
-        Self { stiffness, element_eigenvalue, pair: touching.len() == 2 }
+    let penalty = Penalty { stiffness: b, rate: r * reference, form: PenaltyMass::Consistent };
+    let (stiffness, mass) = penalty.of(scale);
+    let mut needed = vec![("penalty stiffness s (N/m)", stiffness)];
+    if r.is_finite() {
+        needed.push(("penalty mass m (kg)", mass));
+        needed.push(("s/r (N/m)", stiffness / r));
+    } else {
+        needed.push(("beta_s omega_e^2 (rad^2/s^2)", b * reference));
     }
-
-    /// The contact terms for (beta_s, r).
-    #[inline]
-    pub fn penalty(&self, beta_s: StiffnessPenalty, ratio: Ratio, form: PenaltyMass) -> Penalty {
-        let stiffness = beta_s.get() * self.stiffness;
-        let mass = stiffness / (ratio.get() * self.element_eigenvalue);
-        match (form, self.pair) {
-            (PenaltyMass::Diagonalised, true) => Penalty { stiffness, mass: 0.0, nodal_mass: 2.0 * mass },
-            _ => Penalty { stiffness, mass, nodal_mass: 0.0 },
-        }
+    let held = f64::MIN_POSITIVE..=f64::MAX / 256.0;
+    match needed.into_iter().find(|(_, value)| !held.contains(value)) {
+        None => Ok(()),
+        Some((quantity, value)) => Err(Refusal::new(
+            "beta_s, ratio",
+            format!("beta_s = {b:e} with r = {r:e} makes {quantity} = {value:e}, which"),
+            format!("combinations that keep it within {:e} and {:e}", held.start(), held.end()),
+        )),
     }
-
-    /// Refuses the corner of a grid that f64 cannot hold: s, s/r, m and beta_s omega_e^2 (the size of omega_max^2
-    /// without a mass penalty) must be normal numbers with room for a sum.
-    ///
-    /// # Errors
-    /// Names the quantity that overflows or underflows, with the beta_s and r that cause it.
-    pub fn check(&self, beta_s: StiffnessPenalty, ratio: Ratio) -> Result<(), Refusal> {
-        let (b, r) = (beta_s.get(), ratio.get());
-        if b == 0.0 {
-            return Ok(());
-        }
-        let p = self.penalty(beta_s, ratio, PenaltyMass::Consistent);
-        let mut needed = vec![("penalty stiffness s (N/m)", p.stiffness)];
-        if r.is_finite() {
-            needed.push(("penalty mass m (kg)", p.mass));
-            needed.push(("s/r (N/m)", p.stiffness / r));
-        } else {
-            needed.push(("beta_s omega_e^2 (rad^2/s^2)", b * self.element_eigenvalue));
-        }
-        let held = f64::MIN_POSITIVE..=f64::MAX / 256.0;
-        match needed.into_iter().find(|(_, value)| !held.contains(value)) {
-            None => Ok(()),
-            Some((quantity, value)) => Err(Refusal::new(
-                "--beta-s, --ratio",
-                format!("beta_s = {b:e} with r = {r:e} makes {quantity} = {value:e}, which"),
-                format!("combinations that keep it within {:e} and {:e}", held.start(), held.end()),
-            )),
-        }
-    }
-}
-
-/// The bars that touch at `site`.
-pub fn touching_bars(scene: &Scene, site: ContactSite) -> &[Bar] {
-    let bars = scene.bars();
-    match site {
-        ContactSite::LeftWall => &bars[..1],
-        ContactSite::Between(left) => &bars[left..left + 2],
-        ContactSite::RightWall => &bars[bars.len() - 1..],
-    }
-}
-
-/// The reference element of the Courant number C_r = c0 dt/h: of all elements that touch a contact, the one of the
-/// highest frequency, the leftmost on a tie. Without a contact, of all elements.
-pub fn reference_bar(scene: &Scene, mass: MassMatrix) -> &Bar {
-    let sites = scene.contact_sites();
-    let touching = sites.iter().flat_map(|site| touching_bars(scene, *site));
-    let candidates: Vec<&Bar> =
-        if sites.is_empty() { scene.bars().iter().collect() } else { touching.collect() };
-    let higher = |best: &'_ Bar, bar: &'_ Bar| mass.element_eigenvalue(bar) > mass.element_eigenvalue(best);
-    candidates.iter().skip(1).fold(candidates[0], |best, bar| if higher(best, bar) { bar } else { best })
 }

@@ -15,8 +15,9 @@
 //! ```
 
 use crate::error::Refusal;
-use crate::pencil::{Gap, Pencil, Tridiagonal};
+use crate::pencil::{Bounds, Gap, Matrix, Pencil, Scale, Tridiagonal};
 use crate::scene::{Bar, ContactSite, End, Scene};
+use crate::sparse::SparseVector;
 
 /// The mass matrix of the family gamma in [0, 1]: 0 consistent, 1/2 averaged, 1 lumped.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,7 +87,7 @@ pub fn assemble(scene: &Scene, mass: MassMatrix) -> Pencil {
 }
 
 /// The pencil of the same scene with at most four elements of the same length in a bar: it has every entry of the
-/// whole one, and its [`Pencil::stiffness_bound`].
+/// whole one, and the same bound of the stiffness.
 pub fn assemble_shortened(scene: &Scene, mass: MassMatrix) -> Pencil {
     assemble_up_to(4, scene, mass)
 }
@@ -98,19 +99,65 @@ fn assemble_up_to(most_elements: usize, scene: &Scene, mass: MassMatrix) -> Penc
     let mut bar_ends = Vec::with_capacity(last + 1);
     for (i, bar) in scene.bars().iter().enumerate() {
         let fixed = (i == 0 && scene.left() == End::Fixed, i == last && scene.right() == End::Fixed);
-        let first_node = stiffness.diagonal.len();
         let nodes = bar.elements.min(most_elements) + 1;
         append_bar(&mut stiffness, nodes, bar.element_stiffness(), (1.0, -1.0), fixed);
         append_bar(&mut inertia, nodes, bar.element_mass(), mass.entries(), fixed);
-        bar_ends.push((first_node, stiffness.diagonal.len() - 1));
+        bar_ends.push(stiffness.diagonal.len() - 1);
     }
-    let gaps = scene.contact_sites().into_iter().map(|site| match site {
-        ContactSite::LeftWall => Gap::Wall { node: 0 },
-        ContactSite::Between(bar) => Gap::Pair { left: bar_ends[bar].1 },
-        ContactSite::RightWall => Gap::Wall { node: bar_ends[last].1 },
+    let distances = scene.impact().map_or(&[][..], |impact| &impact.gaps);
+    let gaps = scene.contact_sites().into_iter().enumerate().map(|(j, site)| Gap {
+        column: SparseVector(match site {
+            ContactSite::LeftWall => vec![(0, -1.0)],
+            ContactSite::Between(bar) => vec![(bar_ends[bar] as u32, 1.0), (bar_ends[bar] as u32 + 1, -1.0)],
+            ContactSite::RightWall => vec![(bar_ends[last] as u32, 1.0)],
+        }),
+        scale: contact_scale(scene, site).stiffness,
+        initial: -distances.get(j).copied().unwrap_or(0.0),
     });
-    let element_bound = scene.bars().iter().map(|bar| mass.element_eigenvalue(bar)).fold(0.0, f64::max);
-    Pencil::new(stiffness, inertia, gaps.collect(), element_bound)
+    // An element obeys |K_e| <= l_e M_e with its eigenvalue l_e, worst for alternating displacements, and
+    // |M_e| <= 3/(1+2g) M_e; a sum of them obeys the largest of the bounds.
+    let largest = scene.bars().iter().map(|bar| mass.element_eigenvalue(bar)).fold(0.0, f64::max);
+    let bounds = Bounds { stiffness: largest, mass: 3.0 / (1.0 + 2.0 * mass.gamma()) };
+    let (stiffness, inertia) = (Matrix::Chain(stiffness), Matrix::Chain(inertia));
+    Pencil::of_elements(stiffness, inertia, gaps.collect(), bounds, reference_eigenvalue(scene, mass))
+}
+
+/// The bars that touch at `site`.
+pub fn touching_bars(scene: &Scene, site: ContactSite) -> &[Bar] {
+    let bars = scene.bars();
+    match site {
+        ContactSite::LeftWall => &bars[..1],
+        ContactSite::Between(left) => &bars[left..left + 2],
+        ContactSite::RightWall => &bars[bars.len() - 1..],
+    }
+}
+
+/// The scale w of a contact: the smaller EA/h of the touching elements, N/m.
+pub fn contact_scale(scene: &Scene, site: ContactSite) -> Scale {
+    let touching = touching_bars(scene, site);
+    let stiffness = touching.iter().map(Bar::element_stiffness).fold(f64::INFINITY, f64::min);
+    Scale { stiffness, pair: touching.len() == 2 }
+}
+
+/// The scales of the contacts of `scene` from left to right.
+pub fn contact_scales(scene: &Scene) -> Vec<Scale> {
+    scene.contact_sites().into_iter().map(|site| contact_scale(scene, site)).collect()
+}
+
+/// The reference element of the Courant number C_r = c0 dt/h and of the penalty ratio: of all elements that touch a
+/// contact, the one of the highest frequency, the leftmost on a tie. Without a contact, of all elements.
+pub fn reference_bar(scene: &Scene, mass: MassMatrix) -> &Bar {
+    let sites = scene.contact_sites();
+    let touching = sites.iter().flat_map(|site| touching_bars(scene, *site));
+    let candidates: Vec<&Bar> =
+        if sites.is_empty() { scene.bars().iter().collect() } else { touching.collect() };
+    let higher = |best: &'_ Bar, bar: &'_ Bar| mass.element_eigenvalue(bar) > mass.element_eigenvalue(best);
+    candidates.iter().skip(1).fold(candidates[0], |best, bar| if higher(best, bar) { bar } else { best })
+}
+
+/// omega^2 of the reference element, rad^2/s^2: the one number in which the ratio of the penalty mass is measured.
+pub fn reference_eigenvalue(scene: &Scene, mass: MassMatrix) -> f64 {
+    mass.element_eigenvalue(reference_bar(scene, mass))
 }
 
 /// Appends the assembled matrix of one bar of `nodes`; `entries` are the diagonal and off-diagonal entry of its element

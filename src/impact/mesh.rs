@@ -2,11 +2,8 @@
 
 use std::ops::Range;
 
-use crate::fem::MassMatrix;
-use crate::penalty::touching_bars;
-use crate::pencil::{Penalty, Pencil};
+use crate::fem::{MassMatrix, touching_bars};
 use crate::scene::{Bar, ContactSite, End, Scene};
-use crate::schemes::Contact;
 
 /// One bar in the vector of all nodes; a fixed end has no node.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,19 +67,6 @@ impl Mesh {
             }
         }
         load
-    }
-
-    /// The contacts for `penalties`, with the initial gaps of the scene.
-    pub fn contacts(&self, pencil: &Pencil, penalties: &[Penalty]) -> Vec<Contact> {
-        let distances = self.scene.impact().map_or(&[][..], |impact| &impact.gaps);
-        let sites = self.scene.contact_sites();
-        let contact = |(j, site): (usize, &ContactSite)| Contact {
-            gap: pencil.gaps()[j],
-            direction: if *site == ContactSite::LeftWall { -1.0 } else { 1.0 },
-            penalty: penalties[j],
-            initial_gap: -distances.get(j).copied().unwrap_or(0.0),
-        };
-        sites.iter().enumerate().map(contact).collect()
     }
 
     /// h of every contact, m: of the touching element of higher frequency, the left one on a tie.

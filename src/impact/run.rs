@@ -1,5 +1,6 @@
 //! One contact-impact run: a model, penalties, a scheme and a step.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{Ending, History, Mesh, Recording, StressField};
@@ -7,8 +8,9 @@ use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::pencil::Penalty;
 use crate::scene::Bar;
-use crate::schemes::{ContactRule, Park, Scheme, Setup, State, Stepper};
-use crate::stability::{EngineName, Model};
+use crate::schemes::{ContactRule, Motion, Scheme, State, System};
+use crate::spectrum::{Engine as _, Uncertified};
+use crate::stability::Model;
 
 /// More steps than this are refused: years of computing.
 pub const MAX_STEPS: f64 = 1e9;
@@ -35,10 +37,9 @@ pub struct Progress<'a> {
 #[derive(Debug, Clone)]
 pub struct Run {
     model: Model,
-    penalties: Vec<Penalty>,
-    scheme: Scheme,
+    penalty: Penalty,
+    scheme: Arc<dyn Scheme>,
     rule: ContactRule,
-    theta: f64,
     critical_step: f64,
     duration: f64,
     relative_courant: f64,
@@ -48,16 +49,13 @@ impl Run {
     /// C = dt/dt_cr where nothing else is said.
     pub const RELATIVE_COURANT: f64 = 0.5;
 
-    /// theta of the Park scheme where nothing else is said.
-    pub const THETA: f64 = 0.5;
-
-    /// The run of `model` with (beta_s, r) at C = 1/2 and theta = 1/2 over the duration of its scene.
+    /// The run of `model` with (beta_s, r) at C = 1/2 over the duration of its scene.
     ///
     /// # Errors
-    /// Refuses penalties that f64 cannot hold and a scene without `[impact]`.
+    /// Refuses penalties that f64 cannot hold, a scene without `[impact]`, and one whose contact-free limit is not certified.
     pub fn new(
         model: Model,
-        scheme: Scheme,
+        scheme: impl Into<Arc<dyn Scheme>>,
         beta_s: StiffnessPenalty,
         ratio: Ratio,
     ) -> Result<Self, Refusal> {
@@ -69,12 +67,11 @@ impl Run {
         };
         let run = Self {
             duration: impact.duration,
-            penalties: model.penalties(beta_s, ratio),
-            critical_step: contact_free_step(&model),
+            penalty: model.penalty(beta_s, ratio),
+            critical_step: contact_free_step(&model)?,
             rule: ContactRule::Unilateral,
-            theta: Self::THETA,
             relative_courant: Self::RELATIVE_COURANT,
-            scheme,
+            scheme: scheme.into(),
             model,
         };
         run.checked()
@@ -86,14 +83,6 @@ impl Run {
     /// Refuses a C that is not positive and finite.
     pub fn with_relative_courant(self, relative_courant: f64) -> Result<Self, Refusal> {
         Self { relative_courant, ..self }.checked()
-    }
-
-    /// The same run with this theta of the Park scheme.
-    ///
-    /// # Errors
-    /// Refuses a theta outside [0, 1].
-    pub fn with_theta(self, theta: f64) -> Result<Self, Refusal> {
-        Self { theta, ..self }.checked()
     }
 
     /// The same run over another duration, s.
@@ -118,9 +107,6 @@ impl Run {
         positive("relative Courant number", self.relative_courant, "")?;
         positive("duration", self.duration, " (s)")?;
         positive("time step", self.time_step(), " (s)")?;
-        if !(0.0..=1.0).contains(&self.theta) {
-            return Err(Refusal::new("theta", self.theta, "a number in [0, 1]"));
-        }
         self.check_energy()?;
         Ok(self)
     }
@@ -165,14 +151,14 @@ impl Run {
         &self.model
     }
 
-    /// The penalties of the contacts from left to right.
-    pub fn penalties(&self) -> &[Penalty] {
-        &self.penalties
+    /// The penalty of closed contacts.
+    pub fn penalty(&self) -> Penalty {
+        self.penalty
     }
 
     /// The scheme.
-    pub fn scheme(&self) -> Scheme {
-        self.scheme
+    pub fn scheme(&self) -> &dyn Scheme {
+        &*self.scheme
     }
 
     /// C = dt/dt_cr.
@@ -202,25 +188,22 @@ impl Run {
         (quotient * (1.0 - 8.0 * f64::EPSILON)).ceil().max(1.0) as u64
     }
 
-    /// The stepper and the state at time 0.
+    /// The motion at time 0.
     ///
     /// # Errors
     /// Refuses the diagonalised mass penalty.
-    pub fn prepare(&self, account: bool) -> Result<(Stepper, State), Refusal> {
+    pub fn prepare(&self, account: bool) -> Result<Box<dyn Motion>, Refusal> {
         let mesh = Mesh::new(self.model.scene());
-        let pencil = self.model.pencil();
-        let mut stepper = Stepper::new(Setup {
-            contacts: mesh.contacts(&pencil, &self.penalties),
-            pencil: &pencil,
+        let system = System {
+            pencil: &self.model.pencil(),
+            penalty: self.penalty,
             load: mesh.load(),
-            scheme: self.scheme,
             time_step: self.time_step(),
+            critical_step: self.critical_step,
             rule: self.rule,
-            park: Park { theta: self.theta, critical_step: self.critical_step },
             account,
-        })?;
-        let state = stepper.start(vec![0.0; mesh.nodes()], mesh.velocity());
-        Ok((stepper, state))
+        };
+        self.scheme.start(system, vec![0.0; mesh.nodes()], mesh.velocity())
     }
 
     /// Steps through the run. A run that blows up or is stopped returns what it has, and says so.
@@ -229,31 +212,30 @@ impl Run {
     /// As [`Run::prepare`] and [`Run::check`].
     pub fn execute(&self, recording: &Recording, progress: Option<Progress>) -> Result<History, Refusal> {
         self.check(recording)?;
-        let (mut stepper, mut state) = self.prepare(recording.energies)?;
+        let mut motion = self.prepare(recording.energies)?;
         let mut recorder = Recorder::new(self, recording);
-        let ending = self.advance(&mut stepper, &mut state, &mut recorder, progress);
-        let last = stepper.energy(&mut state);
+        let ending = self.advance(&mut *motion, &mut recorder, progress);
+        let last = motion.energy();
         let mut history = recorder.history;
         history.first_and_last[1] = last;
-        history.switches = state.switches();
-        history.steps = state.steps();
+        history.switches = motion.state().switches;
+        history.steps = motion.state().steps;
         history.ending = ending;
         Ok(history)
     }
 
     fn advance(
         &self,
-        stepper: &mut Stepper,
-        state: &mut State,
+        motion: &mut dyn Motion,
         recorder: &mut Recorder,
         mut progress: Option<Progress>,
     ) -> Ending {
         let (steps, dt) = (self.steps(), self.time_step());
-        let bound = BLOW_UP * self.reference_speed(state);
-        recorder.history.first_and_last[0] = stepper.energy(state);
+        let bound = BLOW_UP * self.reference_speed(motion.state());
+        recorder.history.first_and_last[0] = motion.energy();
         for step in 0..=steps {
             let time = step as f64 * dt;
-            if step % STEPS_BETWEEN_LOOKS == 0 && !within(state.stored_velocity(), bound) {
+            if step % STEPS_BETWEEN_LOOKS == 0 && !within(&motion.state().velocity, bound) {
                 return Ending::BlewUp { step, time };
             }
             if let Some(Progress { stop, report }) = &mut progress
@@ -264,12 +246,12 @@ impl Run {
                     return Ending::Stopped { step, time };
                 }
             }
-            recorder.note(step, step == steps, stepper, state);
+            recorder.note(step, step == steps, motion);
             if step < steps {
-                stepper.step(state);
+                motion.step();
             }
         }
-        if within(state.stored_velocity(), bound) {
+        if within(&motion.state().velocity, bound) {
             Ending::Finished
         } else {
             Ending::BlewUp { step: steps, time: steps as f64 * dt }
@@ -278,7 +260,7 @@ impl Run {
 
     /// The largest initial speed plus the body force over the whole run, m/s; infinite where there is neither.
     fn reference_speed(&self, state: &State) -> f64 {
-        let initial = state.stored_velocity().iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+        let initial = state.velocity.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
         let gravity = self.model.scene().impact().map_or(0.0, |impact| impact.gravity.abs());
         let speed = initial + gravity * self.duration;
         if speed > 0.0 { speed } else { f64::MAX / BLOW_UP }
@@ -289,10 +271,15 @@ fn within(velocity: &[f64], bound: f64) -> bool {
     velocity.iter().all(|v| v.abs() <= bound)
 }
 
-/// dt_cr = 2/omega_max without contacts, s.
-pub(crate) fn contact_free_step(model: &Model) -> f64 {
-    let open = vec![Penalty::default(); model.scales().len()];
-    2.0 / model.engine(EngineName::Auto, None).estimate(&open, None).sqrt()
+/// A certified critical step 2/omega_max without contacts, s, as computed: in the middle of its enclosure.
+///
+/// # Errors
+/// A contact-free limit that is not certified.
+pub(crate) fn contact_free_step(model: &Model) -> Result<f64, Refusal> {
+    let refused = |e: Uncertified| {
+        Refusal::new(format!("scene {}", model.scene().name()), e, "scenes whose contact-free limit is certified")
+    };
+    Ok(2.0 / model.closed_form().enclose(&Penalty::NONE, None).map_err(refused)?.value.sqrt())
 }
 
 /// Writes rows while a run goes on.
@@ -313,7 +300,7 @@ impl<'a> Recorder<'a> {
         let mut stress_steps: Vec<u64> = recording.stress_times.iter().map(nearest).collect();
         stress_steps.sort_unstable();
         let history = History {
-            contacts: run.penalties.len(),
+            contacts: run.model.scales().len(),
             time: Vec::new(),
             force: Vec::new(),
             relative_gap: Vec::new(),
@@ -328,22 +315,23 @@ impl<'a> Recorder<'a> {
         Self { recording, mesh, lengths, stress_steps, dt: run.time_step(), history }
     }
 
-    fn note(&mut self, step: u64, last: bool, stepper: &mut Stepper, state: &mut State) {
+    fn note(&mut self, step: u64, last: bool, motion: &mut dyn Motion) {
         let time = step as f64 * self.dt;
         while self.stress_steps.get(self.history.stress.len()) == Some(&step) {
-            let stress = self.mesh.stress(state.displacement());
+            let stress = self.mesh.stress(&motion.state().displacement);
             self.history.stress.push(StressField { time, stress });
         }
         if !step.is_multiple_of(self.recording.every) && !last {
             return;
         }
-        stepper.synchronise(state);
+        motion.synchronise();
+        let state = motion.state();
         self.history.time.push(time);
-        self.history.force.extend_from_slice(state.forces());
-        let relative = state.gaps().iter().zip(&self.lengths).map(|(gap, h)| gap / h);
+        self.history.force.extend_from_slice(&state.force);
+        let relative = state.gap.iter().zip(&self.lengths).map(|(gap, h)| gap / h);
         self.history.relative_gap.extend(relative);
         if self.recording.energies {
-            self.history.energy.push(stepper.energy(state));
+            self.history.energy.push(motion.energy());
         }
     }
 }

@@ -39,7 +39,7 @@ impl Summary {
     }
 }
 
-fn force_error(scheme: Scheme, exact: &Exact, history: &History) -> Option<f64> {
+fn force_error(scheme: &dyn Scheme, exact: &Exact, history: &History) -> Option<f64> {
     let expected = |t: f64| match scheme.facts().search {
         ContactSearch::StartOfStep => exact.force(t),
         ContactSearch::Predictor => exact.force_before(t),

@@ -1,45 +1,47 @@
-//! Explicit time schemes with bi-penalty contact: one step each, on vectors, without allocation.
+//! Explicit time schemes with bi-penalty contact: one step each, on vectors, without allocation for bars.
 //!
-//! A scheme knows matrices and contacts, never bars. The gaps and their rates are state of their own, advanced by
-//! increments: where u is of size 1 and the penetration 1e-15, the difference of displacements has no digit left.
+//! A [`Scheme`] is a value with its parameters; it starts a [`Motion`] of a [`System`] of matrices and contacts, and knows
+//! the largest step that closed contact lets it make. Each has a folder of its own: facts, state and step, energy, limit.
+//! [`Body`], [`State`], [`Operator`] and [`Contacts`] are what they share, and what a scheme of one's own is made of.
 //! Sources: Kolman, Kopačka, González, Cho, Park, Math. Comput. Simulat. 189 (2021), 4.3 to 4.5 ("the paper"); Park, Lim,
 //! Huh, Int. J. Numer. Meth. Eng. 91 (2012); Cho, Park, Huh, Comput. Mech. 52 (2013).
 //!
 //! ```
-//! use bipenalty::schemes::{ContactSearch, Scheme};
+//! use bipenalty::schemes::{ContactSearch, Park, Scheme, SchemeName};
 //! // What distinguishes the schemes is one table.
-//! assert_eq!(Scheme::Park.facts().search, ContactSearch::Predictor);
-//! assert_eq!("central-difference".parse(), Ok(Scheme::CentralDifference));
+//! assert_eq!(Park::new(0.5)?.facts().search, ContactSearch::Predictor);
+//! assert_eq!("central-difference".parse(), Ok(SchemeName::CentralDifference));
+//! # Ok::<(), bipenalty::error::Refusal>(())
 //! ```
 
+mod body;
 mod central_difference;
 mod contact;
 mod energy;
+mod inertia;
 mod kernels;
+mod name;
 mod operator;
 mod park;
 mod predictor_corrector;
-mod stepper;
+mod state;
 mod twisted;
 
-use std::str::FromStr;
+use std::fmt::Debug;
 
-pub use contact::Contact;
+pub use body::{Body, System};
+pub use central_difference::CentralDifference;
+pub use contact::Contacts;
 pub use energy::Energy;
-pub use stepper::{ContactRule, Park, Setup, State, Stepper};
+pub use name::SchemeName;
+pub use operator::Operator;
+pub use park::Park;
+pub use predictor_corrector::PredictorCorrector;
+pub use state::{ContactRule, State};
 
 use crate::error::Refusal;
-
-/// An explicit time scheme.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scheme {
-    /// Central differences with M + M_p in the closed contact.
-    CentralDifference,
-    /// The stabilised predictor-corrector scheme of the paper.
-    PredictorCorrector,
-    /// The stabilised scheme of Park with pullback and averaging.
-    Park,
-}
+use crate::pencil::Pencil;
+use crate::spectrum::{Engine, StepLimit};
 
 /// When a scheme looks for contact, which is also the time of the force it reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,10 +52,19 @@ pub enum ContactSearch {
     Predictor,
 }
 
+/// How fast a motion grows just above the limit, at the relative distance e from it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Onset {
+    /// By 2 sqrt(2 e) a step, as without damping.
+    SquareRoot,
+    /// By about e a step: the scheme damps what reaches the contact.
+    Linear,
+}
+
 /// What is known of a scheme.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facts {
-    /// The name in records and on the command line.
+    /// The name in records.
     pub name: &'static str,
     /// The name in a chart.
     pub title: &'static str,
@@ -63,6 +74,10 @@ pub struct Facts {
     pub order: usize,
     /// When contact is searched.
     pub search: ContactSearch,
+    /// How growth begins above the limit.
+    pub onset: Onset,
+    /// Whether one contact that opens and closes is proven to add no energy below the limit; see `verify::opening`.
+    pub gains_nothing: bool,
     /// lambda, the reaction that enters the momentum balance.
     pub reaction: &'static str,
     /// The largest stable step while the contact is closed and nothing else limits it.
@@ -71,59 +86,50 @@ pub struct Facts {
     pub source: &'static str,
 }
 
-impl Scheme {
-    /// Every scheme.
-    pub const ALL: [Self; 3] = [Self::CentralDifference, Self::PredictorCorrector, Self::Park];
+/// An explicit time scheme with its parameters.
+pub trait Scheme: Debug + Send + Sync {
+    /// What is known of it. mu = Z'M^-1 Z, s' = s/(1 + m mu).
+    fn facts(&self) -> Facts;
 
-    /// The facts of this scheme. mu = Z'M^-1 Z, s' = s/(1 + m mu).
-    pub const fn facts(self) -> Facts {
-        match self {
-            Self::CentralDifference => Facts {
-                name: "central-difference",
-                title: "central difference",
-                solves: 1,
-                order: 2,
-                search: ContactSearch::StartOfStep,
-                reaction: "(s g + m Z'M^-1 (f - K u))/(1 + m mu)",
-                closed_limit: "2/omega_max of (K + K_p, M + M_p)",
-                source: "Kolman et al. 2021, 4.3",
-            },
-            Self::PredictorCorrector => Facts {
-                name: "predictor-corrector",
-                title: "predictor-corrector",
-                solves: 1,
-                order: 1,
-                search: ContactSearch::Predictor,
-                reaction: "s g_pred/(1 + m mu)",
-                closed_limit: "dt^2 s' mu = 1",
-                source: "Kolman et al. 2021, 4.4",
-            },
-            Self::Park => Facts {
-                name: "park",
-                title: "Park",
-                solves: 2,
-                order: 2,
-                search: ContactSearch::Predictor,
-                reaction: "s g_pred/(1 + m mu)",
-                closed_limit: "a zero of the scheme's characteristic function",
-                source: "Park, Lim, Huh 2012; Cho, Park, Huh 2013; Kolman et al. 2021, 4.5",
-            },
-        }
-    }
+    /// The motion of `system` from u (m) and v (m/s), n entries each.
+    ///
+    /// # Errors
+    /// Refuses a step that is not positive and finite and what the scheme is not made for.
+    fn start(
+        &self,
+        system: System<'_>,
+        displacement: Vec<f64>,
+        velocity: Vec<f64>,
+    ) -> Result<Box<dyn Motion>, Refusal>;
 
-    /// The name in records and on the command line.
-    pub const fn name(self) -> &'static str {
-        self.facts().name
-    }
+    /// The largest step while every contact of `pencil` is closed; `spectrum` is an engine of the same pencil.
+    ///
+    /// # Errors
+    /// Refuses what the limit is not derived for.
+    fn limit<'a>(
+        &self,
+        pencil: &'a Pencil,
+        spectrum: Box<dyn Engine + 'a>,
+    ) -> Result<Box<dyn StepLimit + 'a>, Refusal>;
 }
 
-impl FromStr for Scheme {
-    type Err = Refusal;
+/// A motion in time steps.
+pub trait Motion {
+    /// One step.
+    fn step(&mut self);
 
-    fn from_str(text: &str) -> Result<Self, Refusal> {
-        Self::ALL
-            .into_iter()
-            .find(|scheme| scheme.name() == text)
-            .ok_or_else(|| Refusal::new("scheme", format!("{text:?}"), Self::ALL.map(Self::name).join(", ")))
+    /// Brings forces and accelerations to the time of u, where a step leaves them behind. Nothing is computed twice and
+    /// no result changes.
+    fn synchronise(&mut self) {}
+
+    /// Displacements, gaps, forces; the latter belong to the time of u after [`Motion::synchronise`].
+    fn state(&self) -> &State;
+
+    /// v at the time of u, m/s, into `velocity`; the motion must be synchronised.
+    fn velocity(&self, velocity: &mut [f64]) {
+        velocity.copy_from_slice(&self.state().velocity);
     }
+
+    /// The energies at the time of u; synchronises.
+    fn energy(&mut self) -> Energy;
 }

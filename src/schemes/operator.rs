@@ -1,10 +1,17 @@
-//! u -> scale M^-1 (f - K u): a stencil, and for a banded mass one factorisation made in advance.
+//! u -> scale M^-1 (f - K u): a stencil for bars, rows of a sparse matrix for other meshes; unless M is diagonal, one
+//! factorisation made in advance.
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
+use super::inertia::Inertia;
 use super::kernels::{self, Instructions};
-use super::twisted::Twisted;
-use crate::pencil::Pencil;
+use crate::error::Refusal;
+use crate::pencil::{Matrix, Pencil, Tridiagonal};
+
+/// Rows of a sparse matrix that one task takes; fixed, so that no result depends on the number of threads.
+const ROWS: usize = 4096;
 
 /// Consecutive nodes with the same row of (f - K u):
 /// left (u_{i-1} - u_i) + right (u_{i+1} - u_i) - ground u_i + load.
@@ -37,44 +44,89 @@ impl Stretch {
     }
 }
 
+/// f - K u, each row times a factor of its own.
+#[derive(Debug, Clone)]
+enum Rows {
+    Stretches(Vec<Stretch>),
+    /// Of the stiffness of a pencil; the load is empty for none.
+    Sparse { pencil: Pencil, factor: Vec<f64>, load: Vec<f64> },
+}
+
+impl Rows {
+    /// The row of node i alone.
+    #[inline]
+    fn at(&self, u: &[f64], i: usize) -> f64 {
+        match self {
+            Self::Stretches(stretches) => {
+                let k = stretches.partition_point(|stretch| stretch.nodes.end <= i);
+                stretches[k].rate(u, i)
+            }
+            Self::Sparse { pencil, factor, load } => {
+                let pull: f64 = match pencil.stiffness() {
+                    Matrix::Sparse(k) => {
+                        let (columns, values) = k.row(i);
+                        columns.iter().zip(values).map(|(j, k)| k * u[*j as usize]).sum()
+                    }
+                    other => other.row(i).map(|(j, k)| k * u[j]).sum(),
+                };
+                factor[i] * (load.get(i).copied().unwrap_or(0.0) - pull)
+            }
+        }
+    }
+}
+
 /// The map u -> scale M^-1 (f - K u), with n nodes. scale = dt gives the velocity increment of a step, "kick", m/s.
 #[derive(Debug, Clone)]
-pub(super) struct Operator {
-    stretches: Vec<Stretch>,
-    inertia: Option<Twisted>,
+pub struct Operator {
+    rows: Rows,
+    /// Unless M is diagonal.
+    inertia: Option<Inertia>,
     instructions: Instructions,
 }
 
 impl Operator {
     /// The map of `pencil` under the nodal forces `load` (N, length n, or empty for none).
-    pub(super) fn new(pencil: &Pencil, load: &[f64], scale: f64) -> Self {
-        let lumped = pencil.mass().off_diagonal.iter().all(|off| *off == 0.0);
-        let inertia = (!lumped).then(|| Twisted::new(pencil.mass(), scale));
-        let stretches =
-            stretches(pencil, load, |i| if lumped { scale / pencil.mass().diagonal[i] } else { 1.0 });
-        Self { stretches, inertia, instructions: Instructions::detect() }
+    ///
+    /// # Errors
+    /// A mass that has no Cholesky factor.
+    pub fn new(pencil: &Pencil, load: &[f64], scale: f64) -> Result<Self, Refusal> {
+        let lumped = pencil.mass().is_diagonal();
+        let inertia = if lumped { None } else { Some(Inertia::new(pencil.mass(), scale)?) };
+        let factor = |i: usize| if lumped { scale / pencil.mass().diagonal(i) } else { 1.0 };
+        let rows = match pencil.stiffness() {
+            Matrix::Chain(k) => Rows::Stretches(stretches(k, load, factor)),
+            Matrix::Sparse(_) | Matrix::Diagonal(_) => Rows::Sparse {
+                factor: (0..pencil.size()).map(factor).collect(),
+                load: load.to_vec(),
+                pencil: pencil.clone(),
+            },
+        };
+        Ok(Self { rows, inertia, instructions: Instructions::detect() })
     }
 
     /// Whether M is diagonal.
-    pub(super) fn is_lumped(&self) -> bool {
+    pub fn is_lumped(&self) -> bool {
         self.inertia.is_none()
     }
 
     /// rate = scale M^-1 (f - K u).
-    pub(super) fn apply(&self, u: &[f64], rate: &mut [f64]) {
-        for stretch in &self.stretches {
-            let Range { start, end } = stretch.nodes;
-            if stretch.is_uniform() {
-                let around = &u[start - 1..end + 1];
-                kernels::uniform_rate(
-                    self.instructions,
-                    stretch.left,
-                    stretch.load,
-                    around,
-                    &mut rate[start..end],
-                );
-            } else {
-                (start..end).for_each(|i| rate[i] = stretch.rate(u, i));
+    pub fn apply(&self, u: &[f64], rate: &mut [f64]) {
+        match &self.rows {
+            Rows::Stretches(stretches) => {
+                for stretch in stretches {
+                    let Range { start, end } = stretch.nodes;
+                    if stretch.is_uniform() {
+                        let (around, rate) = (&u[start - 1..end + 1], &mut rate[start..end]);
+                        kernels::uniform_rate(self.instructions, stretch.left, stretch.load, around, rate);
+                    } else {
+                        (start..end).for_each(|i| rate[i] = stretch.rate(u, i));
+                    }
+                }
+            }
+            rows @ Rows::Sparse { .. } => {
+                rate.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, rate)| {
+                    rate.iter_mut().enumerate().for_each(|(i, rate)| *rate = rows.at(u, chunk * ROWS + i));
+                });
             }
         }
         if let Some(inertia) = &self.inertia {
@@ -85,41 +137,54 @@ impl Operator {
     /// The rate of node i alone; M diagonal.
     #[inline]
     pub(super) fn rate_at(&self, u: &[f64], i: usize) -> f64 {
-        let k = self.stretches.partition_point(|stretch| stretch.nodes.end <= i);
-        self.stretches[k].rate(u, i)
+        self.rows.at(u, i)
     }
 
     /// v += rate, next = u + dt v in one pass; M diagonal.
     pub(super) fn kick_drift(&self, dt: f64, u: &[f64], velocity: &mut [f64], next: &mut [f64]) {
-        for stretch in &self.stretches {
-            let Range { start, end } = stretch.nodes;
-            if stretch.is_uniform() {
-                let (v, next) = (&mut velocity[start..end], &mut next[start..end]);
-                let around = &u[start - 1..end + 1];
-                kernels::kick_drift(self.instructions, stretch.left, stretch.load, dt, around, v, next);
-            } else {
-                for i in start..end {
-                    velocity[i] += stretch.rate(u, i);
-                    next[i] = u[i] + dt * velocity[i];
+        match &self.rows {
+            Rows::Stretches(stretches) => {
+                for stretch in stretches {
+                    let Range { start, end } = stretch.nodes;
+                    let (velocity, next) = (&mut velocity[start..end], &mut next[start..end]);
+                    if stretch.is_uniform() {
+                        let around = &u[start - 1..end + 1];
+                        let (c, load) = (stretch.left, stretch.load);
+                        kernels::kick_drift(self.instructions, c, load, dt, around, velocity, next);
+                    } else {
+                        for i in start..end {
+                            velocity[i - start] += stretch.rate(u, i);
+                            next[i - start] = u[i] + dt * velocity[i - start];
+                        }
+                    }
                 }
+            }
+            rows @ Rows::Sparse { .. } => {
+                let pieces = velocity.par_chunks_mut(ROWS).zip(next.par_chunks_mut(ROWS));
+                pieces.enumerate().for_each(|(chunk, (velocity, next))| {
+                    for (i, (v, next)) in velocity.iter_mut().zip(next).enumerate() {
+                        let i = chunk * ROWS + i;
+                        *v += rows.at(u, i);
+                        *next = u[i] + dt * *v;
+                    }
+                });
             }
         }
     }
 
     /// v += kick, u += dt v.
-    pub(super) fn drift(&self, dt: f64, kick: &[f64], velocity: &mut [f64], u: &mut [f64]) {
+    pub fn drift(&self, dt: f64, kick: &[f64], velocity: &mut [f64], u: &mut [f64]) {
         kernels::drift(self.instructions, dt, kick, velocity, u);
     }
 }
 
 /// The rows of f - K u, times `factor` of their node, equal neighbours joined.
-fn stretches(pencil: &Pencil, load: &[f64], factor: impl Fn(usize) -> f64) -> Vec<Stretch> {
-    let (diagonal, off) = (&pencil.stiffness().diagonal, &pencil.stiffness().off_diagonal);
+fn stretches(stiffness: &Tridiagonal, load: &[f64], factor: impl Fn(usize) -> f64) -> Vec<Stretch> {
     let mut found: Vec<Stretch> = Vec::new();
-    for i in 0..pencil.size() {
-        let left = if i > 0 { -off[i - 1] } else { 0.0 };
-        let right = off.get(i).map_or(0.0, |off| -off);
-        let ground = diagonal[i] - left - right;
+    for (i, own) in stiffness.diagonal.iter().enumerate() {
+        let left = if i > 0 { -stiffness.left(i) } else { 0.0 };
+        let right = if i + 1 < stiffness.diagonal.len() { -stiffness.right(i) } else { 0.0 };
+        let ground = own - left - right;
         let f = factor(i);
         let load = f * load.get(i).copied().unwrap_or(0.0);
         let row = Stretch { nodes: i..i + 1, left: f * left, right: f * right, ground: f * ground, load };

@@ -4,7 +4,7 @@
 //! keeps the contact terms apart: where stiffness d meets the contact c in series, the next segment receives
 //! d c/(d + c), which stays right to rounding when c exceeds d by 16 orders of magnitude.
 
-use crate::pencil::Penalty;
+use crate::pencil::Terms;
 
 /// A segment between two contacts, reduced to its ends.
 pub trait Segment {
@@ -25,11 +25,11 @@ pub struct Chain<S> {
 }
 
 impl<S: Segment> Chain<S> {
-    /// The last pivot of K - l M with the contacts `penalties`; +inf if an earlier pivot is not negative.
-    pub fn last_pivot(&self, penalties: &[Penalty], l: f64) -> f64 {
-        let wall = |p: &Penalty| p.dynamic_stiffness(l) - l * p.nodal_mass;
-        let mut carried = if self.left_wall { wall(&penalties[0]) } else { 0.0 };
-        let pairs = &penalties[usize::from(self.left_wall)..];
+    /// The last pivot of K - l M with the contacts `terms`; +inf if an earlier pivot is not negative.
+    pub fn last_pivot(&self, terms: &[Terms], l: f64) -> f64 {
+        let wall = |p: &Terms| p.dynamic_stiffness(l) - l * p.nodal_mass;
+        let mut carried = if self.left_wall { wall(&terms[0]) } else { 0.0 };
+        let pairs = &terms[usize::from(self.left_wall)..];
         let Some((last, before)) = self.segments.split_last() else { return f64::INFINITY };
         for (segment, p) in before.iter().zip(pairs) {
             let Some(end) = segment.condense(l, carried) else { return f64::INFINITY };
@@ -43,13 +43,13 @@ impl<S: Segment> Chain<S> {
         }
         match last.condense(l, carried) {
             None => f64::INFINITY,
-            Some(end) if self.right_wall => end + wall(&penalties[penalties.len() - 1]),
+            Some(end) if self.right_wall => end + wall(&terms[terms.len() - 1]),
             Some(end) => end,
         }
     }
 
     /// Whether every eigenvalue lies below l.
-    pub fn is_above_spectrum(&self, penalties: &[Penalty], l: f64) -> bool {
-        self.last_pivot(penalties, l) < 0.0
+    pub fn is_above_spectrum(&self, terms: &[Terms], l: f64) -> bool {
+        self.last_pivot(terms, l) < 0.0
     }
 }

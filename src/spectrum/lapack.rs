@@ -8,18 +8,18 @@ use nalgebra_lapack::{Cholesky, SymmetricEigen};
 
 use super::dense::{in_gap_coordinates, with_gaps_last};
 use super::{Enclosure, Engine, Sturm, Uncertified, WIDEST_ENCLOSURE};
-use crate::pencil::{Penalty, Pencil, Tridiagonal};
+use crate::pencil::{ChainPencil, Penalty, Pencil, Tridiagonal};
 
 /// The engine `lapack`: Cholesky factor, reduction to standard form and `dsyev`; O(n^3) operations a point.
 #[derive(Debug)]
 pub struct Lapack<'a> {
-    pencil: &'a Pencil,
+    pencil: ChainPencil<'a>,
     sturm: Sturm<'a>,
 }
 
 impl<'a> Lapack<'a> {
-    /// The engine for `pencil`.
-    pub fn new(pencil: &'a Pencil) -> Self {
+    /// The engine for `pencil`, whose Sturm counts prove it.
+    pub fn new(pencil: ChainPencil<'a>) -> Self {
         Self { pencil, sturm: Sturm::new(pencil) }
     }
 }
@@ -29,15 +29,12 @@ impl Engine for Lapack<'_> {
         "lapack"
     }
 
-    fn estimate(&self, penalties: &[Penalty], _start: Option<f64>) -> f64 {
-        let (k, m) = with_gaps_last(self.pencil, penalties);
-        // Without a factor or without convergence there is no value: NaN, which no certificate accepts.
-        largest(columns(k), columns(m)).unwrap_or(f64::NAN)
-    }
-
-    fn enclose(&self, penalties: &[Penalty], _start: Option<f64>) -> Result<Enclosure, Uncertified> {
-        // As for the engine `dense`: two Sturm counts, which leave a tenth of the widest enclosure to their rounding.
-        self.sturm.verify(penalties, self.estimate(penalties, None), 0.45 * WIDEST_ENCLOSURE)
+    fn enclose(&self, penalty: &Penalty, _start: Option<f64>) -> Result<Enclosure, Uncertified> {
+        let (k, m) = with_gaps_last(self.pencil.pencil(), penalty);
+        // Without a factor or without convergence there is no value: NaN, which no certificate accepts. As for the
+        // engine `dense`: two Sturm counts, which leave a tenth of the widest enclosure to their rounding.
+        let value = largest(columns(k), columns(m)).unwrap_or(f64::NAN);
+        self.sturm.verify(penalty, value, 0.45 * WIDEST_ENCLOSURE)
     }
 }
 
@@ -56,8 +53,8 @@ pub fn full(matrix: &Tridiagonal) -> DMatrix<f64> {
 }
 
 /// K + K_p and M + M_p, dense n x n, in gap coordinates (the gap is a node of its own), in the order of the row.
-pub fn gap_matrices(pencil: &Pencil, penalties: &[Penalty]) -> (DMatrix<f64>, DMatrix<f64>) {
-    let (k, m) = in_gap_coordinates(pencil, penalties);
+pub fn gap_matrices(pencil: &Pencil, penalty: &Penalty) -> (DMatrix<f64>, DMatrix<f64>) {
+    let (k, m) = in_gap_coordinates(pencil, penalty);
     (columns(k), columns(m))
 }
 

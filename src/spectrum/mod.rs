@@ -1,16 +1,18 @@
 //! The largest eigenvalue l_max = omega_max^2 of a [`Pencil`] with its contact terms, and the evidence for it.
 //!
-//! Engines: [`Sturm`] (bisection on the sign of the pivots, any pencil), [`Dense`] (faer), [`Secular`] (one scalar
-//! function for all penalties) and, with the feature `lapack`, an independent oracle. Krylov and power estimates err
-//! on the unsafe side, a time step too large, so no engine returns a bare number: each answer is enclosed.
+//! Engines of a row of bars: [`Sturm`] (bisection on the sign of the pivots) and [`Secular`] (one scalar function for all
+//! penalties); of any pencil: [`Dense`] (faer) and, with the feature `lapack`, an independent oracle. Krylov and power
+//! estimates err on the unsafe side, a time step too large, so no engine returns a bare number: each answer is enclosed.
 
 mod chain;
 mod dense;
 mod flexibility;
 #[cfg(feature = "lapack")]
 pub mod lapack;
+mod proof;
 mod root;
 mod secular;
+mod step;
 mod sturm;
 
 pub use chain::{Chain, Segment};
@@ -19,9 +21,11 @@ pub use flexibility::Flexibility;
 pub use root::{bisect, find_sign_change};
 pub use secular::Secular;
 pub(crate) use secular::chebyshev;
+pub use step::{Evidence, Spectrum, Step, StepLimit};
 pub use sturm::Sturm;
 
-use crate::pencil::{Penalty, Pencil};
+use crate::error::Refusal;
+use crate::pencil::{ChainPencil, Penalty, Pencil, Terms};
 
 /// Unit roundoff of f64, 2^-53.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
@@ -67,22 +71,41 @@ pub struct Uncertified {
     pub width: f64,
 }
 
-/// One way to the largest eigenvalue of one scene, for any penalties of its contacts.
+/// One way to the largest eigenvalue of one pencil, for any penalty of its contacts.
 ///
 /// `start` may hand on a nearby eigenvalue, such as the neighbour's on a map; it changes the cost, and the value by no
 /// more than the enclosure.
 pub trait Engine: Sync {
-    /// The name in records and on the command line.
+    /// The name in records.
     fn name(&self) -> &'static str;
-
-    /// l_max without evidence.
-    fn estimate(&self, penalties: &[Penalty], start: Option<f64>) -> f64;
 
     /// l_max with its enclosure.
     ///
     /// # Errors
-    /// [`Uncertified`] if the enclosure is wider than [`WIDEST_ENCLOSURE`] or contradicts the value.
-    fn enclose(&self, penalties: &[Penalty], start: Option<f64>) -> Result<Enclosure, Uncertified>;
+    /// [`Uncertified`] if the enclosure is wider than the engine promises or contradicts the value.
+    fn enclose(&self, penalty: &Penalty, start: Option<f64>) -> Result<Enclosure, Uncertified>;
+
+    /// The sign of the spectrum, if the engine has it for contacts of any stiffness and mass.
+    fn condensed(&self) -> Option<&dyn Condensed> {
+        None
+    }
+}
+
+/// A row of bars reduced to its contacts.
+pub trait Condensed: Sync {
+    /// Whether every eigenvalue lies below l with these contacts, of any sign.
+    fn is_above(&self, terms: &[Terms], l: f64) -> bool;
+}
+
+/// The engine for a pencil of which nothing else is known: [`Secular`] for a chain, [`Dense`] for other matrices.
+///
+/// # Errors
+/// As [`Dense::new`].
+pub fn engine(pencil: &Pencil) -> Result<Box<dyn Engine + '_>, Refusal> {
+    Ok(match pencil.chain() {
+        Some(chain) => Box::new(Secular::new(chain)),
+        None => Box::new(Dense::new(pencil)?),
+    })
 }
 
 /// The relative backward error of the sign of the computed last pivot of K - l M with its contacts.
@@ -90,10 +113,11 @@ pub trait Engine: Sync {
 /// Every pivot is the exact pivot of a pencil whose entries differ by at most 8 unit roundoffs: forming an entry of
 /// K - l M takes 2 roundings, the step b (b/d) and its subtraction 3, a contact d (c/(d+c)) 4, and errors of a pivot
 /// pass as relative errors to the entries of its row. With |K| <= B (M + M_p) (B the stiffness bound),
-/// s z z' <= C (M + M_p) (C the contact bound) and |M| <= 3 M (element by element: |x|'M_e|x| <= 3/(1+2g) x'M_e x, worst
-/// for alternating x), that moves the eigenvalue by at most 8u (3 l + B + C).
-pub fn sturm_backward_error(pencil: &Pencil, penalties: &[Penalty], l: f64) -> f64 {
-    8.0 * UNIT_ROUNDOFF * (3.0 + (pencil.stiffness_bound(penalties) + pencil.contact_bound(penalties)) / l)
+/// s z z' <= C (M + M_p) (C the contact bound) and |M| <= c M, c <= 3 (the pencil's [`Bounds`](crate::pencil::Bounds)),
+/// that moves the eigenvalue by at most 8u (3 l + B + C).
+pub fn sturm_backward_error(pencil: ChainPencil<'_>, terms: &[Terms], l: f64) -> f64 {
+    let mass = pencil.pencil().bounds().mass.max(3.0);
+    8.0 * UNIT_ROUNDOFF * (mass + (pencil.stiffness_bound(terms) + pencil.contact_bound(terms)) / l)
 }
 
 /// Refuses an enclosure that is too wide or does not hold its own value.

@@ -21,10 +21,10 @@ use std::sync::OnceLock;
 use super::chain::Chain;
 use super::sturm::{Rows, rows};
 use super::{
-    Enclosure, Engine, Segment, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
+    Condensed, Enclosure, Engine, Segment, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
     sturm_backward_error,
 };
-use crate::pencil::{Penalty, Pencil};
+use crate::pencil::{ChainPencil, Penalty, Terms, last_pivot};
 
 /// Degree of the interpolant in one octave.
 const DEGREE: usize = 25;
@@ -40,36 +40,36 @@ const LATTICE: usize = 64;
 /// are handled by the determinant of the row of contacts, evaluated directly.
 #[derive(Debug)]
 pub struct Secular<'a> {
-    pencil: &'a Pencil,
+    pencil: ChainPencil<'a>,
     chain: Chain<Rows<'a>>,
     one_contact: Option<Compressed<'a>>,
 }
 
 impl<'a> Secular<'a> {
     /// The engine for `pencil`; finds the last pole, and compresses octaves when they are first asked for.
-    pub fn new(pencil: &'a Pencil) -> Self {
+    pub fn new(pencil: ChainPencil<'a>) -> Self {
         let chain = rows(pencil);
         let one_contact = (pencil.gaps().len() == 1).then(|| Compressed::new(pencil, chain.clone()));
         Self { pencil, chain, one_contact }
     }
 
-    fn solve(&self, penalties: &[Penalty]) -> (f64, f64, f64) {
+    fn solve(&self, terms: &[Terms]) -> (f64, f64, f64) {
         match &self.one_contact {
-            Some(function) if penalties[0].nodal_mass == 0.0 => {
-                let (low, high) = function.root(&penalties[0], self.pencil.upper_bound(penalties));
+            Some(function) if terms[0].nodal_mass == 0.0 => {
+                let (low, high) = function.root(&terms[0], self.pencil.upper_bound(terms));
                 // Lebesgue constant of 26 Chebyshev points < 3.2; Clenshaw's sum adds 2 * 26 roundings of its own.
-                let kappa = 3.2 * sturm_backward_error(self.pencil, penalties, low) + 64.0 * UNIT_ROUNDOFF;
+                let kappa = 3.2 * sturm_backward_error(self.pencil, terms, low) + 64.0 * UNIT_ROUNDOFF;
                 (low, high, kappa)
             }
             _ => {
-                let above = |l: f64| self.chain.is_above_spectrum(penalties, l);
-                let mut low = 0.5 * self.pencil.lower_bound(penalties);
+                let above = |l: f64| self.chain.is_above_spectrum(terms, l);
+                let mut low = 0.5 * self.pencil.lower_bound(terms);
                 while above(low) {
                     low *= 0.5;
                 }
-                let high = self.pencil.upper_bound(penalties) * (1.0 + 64.0 * f64::EPSILON);
+                let high = self.pencil.upper_bound(terms) * (1.0 + 64.0 * f64::EPSILON);
                 let (low, high) = bisect(low, high, above);
-                (low, high, sturm_backward_error(self.pencil, penalties, low))
+                (low, high, sturm_backward_error(self.pencil, terms, low))
             }
         }
     }
@@ -80,14 +80,19 @@ impl Engine for Secular<'_> {
         "secular"
     }
 
-    fn estimate(&self, penalties: &[Penalty], _start: Option<f64>) -> f64 {
-        let (low, high, _) = self.solve(penalties);
-        low + 0.5 * (high - low)
+    fn enclose(&self, penalty: &Penalty, _start: Option<f64>) -> Result<Enclosure, Uncertified> {
+        let (low, high, kappa) = penalty.with_terms(self.pencil.scales(), |terms| self.solve(terms));
+        certify(Enclosure::from_bracket(low, high, kappa))
     }
 
-    fn enclose(&self, penalties: &[Penalty], _start: Option<f64>) -> Result<Enclosure, Uncertified> {
-        let (low, high, kappa) = self.solve(penalties);
-        certify(Enclosure::from_bracket(low, high, kappa))
+    fn condensed(&self) -> Option<&dyn Condensed> {
+        Some(self)
+    }
+}
+
+impl Condensed for Secular<'_> {
+    fn is_above(&self, terms: &[Terms], l: f64) -> bool {
+        self.chain.is_above_spectrum(terms, l)
     }
 }
 
@@ -103,11 +108,11 @@ struct Compressed<'a> {
 }
 
 impl<'a> Compressed<'a> {
-    fn new(pencil: &Pencil, chain: Chain<Rows<'a>>) -> Self {
+    fn new(pencil: ChainPencil<'_>, chain: Chain<Rows<'a>>) -> Self {
         let octaves = (0..OCTAVES).map(|_| OnceLock::new()).collect();
         let near_pole = (0..=LATTICE).map(|_| OnceLock::new()).collect();
         let mut function = Self { chain, pole: 0.0, octaves, near_pole };
-        let high = pencil.element_bound() * (1.0 + 64.0 * f64::EPSILON);
+        let high = pencil.pencil().bounds().stiffness * (1.0 + 64.0 * f64::EPSILON);
         // Without an interior node there is no pole: T is defined for every l > 0.
         if function.direct(f64::MIN_POSITIVE).is_none() {
             function.pole = bisect(f64::MIN_POSITIVE, high, |l| function.direct(l).is_some()).1;
@@ -145,8 +150,8 @@ impl<'a> Compressed<'a> {
     }
 
     /// The bracket of the root of T(l) = c(l), to a few units of rounding of l.
-    fn root(&self, penalty: &Penalty, upper_bound: f64) -> (f64, f64) {
-        let excess = |z: f64| self.at(z) - penalty.dynamic_stiffness(self.pole + self.pole * z);
+    fn root(&self, terms: &Terms, upper_bound: f64) -> (f64, f64) {
+        let excess = |z: f64| self.at(z) - terms.dynamic_stiffness(self.pole + self.pole * z);
         let (mut low, mut high) = (0.0, (upper_bound / self.pole - 1.0).max(0.0) + 64.0 * f64::EPSILON);
         while excess(high) < 0.0 && high < f64::MAX {
             low = high;
@@ -165,7 +170,7 @@ impl<'a> Compressed<'a> {
             }
         }
         if low == 0.0 {
-            return self.root_at_the_pole(penalty);
+            return self.root_at_the_pole(terms);
         }
         let tolerance = 2.0 * f64::EPSILON * (1.0 + 1.0 / high);
         let (low, high) = find_sign_change((low, f_low), (high, f_high), tolerance, excess);
@@ -176,11 +181,11 @@ impl<'a> Compressed<'a> {
 impl Compressed<'_> {
     /// The root below z = [`NEAREST`], on a lattice of 64 values of T that are kept: there T is mostly rounding, and an
     /// elimination a point would cost more than the whole map.
-    fn root_at_the_pole(&self, penalty: &Penalty) -> (f64, f64) {
+    fn root_at_the_pole(&self, terms: &Terms) -> (f64, f64) {
         let l = |i: usize| self.pole + self.pole * (NEAREST / LATTICE as f64 * i as f64);
         let above = |i: usize| {
             let t = *self.near_pole[i].get_or_init(|| self.direct(l(i)).unwrap_or(f64::NEG_INFINITY));
-            t - penalty.dynamic_stiffness(l(i)) >= 0.0
+            t - terms.dynamic_stiffness(l(i)) >= 0.0
         };
         let (mut low, mut high) = (0, LATTICE);
         while high - low > 1 {
@@ -195,15 +200,11 @@ impl Rows<'_> {
     /// As `condense` from the right end to the left, with nothing carried.
     fn condense_backwards(&self, l: f64) -> Option<f64> {
         let last = self.stiffness.len() - 1;
-        let mut pivot = self.stiffness[last] - l * self.mass[last];
-        for i in (0..last).rev() {
-            if pivot.is_nan() || pivot >= 0.0 {
-                return None;
-            }
-            let off = self.stiffness_off[i] - l * self.mass_off[i];
-            pivot = (self.stiffness[i] - l * self.mass[i]) - off * (off / pivot);
-        }
-        Some(pivot)
+        let row = |i: usize| {
+            (self.stiffness[i] - l * self.mass[i], self.stiffness_off[i] - l * self.mass_off[i])
+        };
+        let first = self.stiffness[last] - l * self.mass[last];
+        last_pivot(first, (0..last).rev().map(row), |pivot, _| pivot < 0.0)
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::cell::Cell;
 
-use super::{Chain, Enclosure, Engine, Segment, Uncertified, bisect, certify, sturm_backward_error};
-use crate::pencil::{Gap, Penalty, Pencil};
+use super::{Chain, Condensed, Enclosure, Engine, Segment, Uncertified, bisect, certify, sturm_backward_error};
+use crate::pencil::{ChainPencil, Penalty, Terms, last_pivot};
 
 /// The nodes of one bar, as rows of the tridiagonal pencil. An elimination costs n divisions.
 #[derive(Debug, Clone)]
@@ -16,85 +16,75 @@ pub(super) struct Rows<'a> {
 
 impl Segment for Rows<'_> {
     fn condense(&self, l: f64, carried: f64) -> Option<f64> {
-        let mut pivot = self.stiffness[0] - l * self.mass[0] + carried;
+        let first = self.stiffness[0] - l * self.mass[0] + carried;
         let inner = self.stiffness[1..].iter().zip(&self.mass[1..]);
         let beside = self.stiffness_off.iter().zip(self.mass_off);
-        for ((k, m), (k_off, m_off)) in inner.zip(beside) {
-            if pivot.is_nan() || pivot >= 0.0 {
-                return None;
-            }
-            let off = k_off - l * m_off;
-            pivot = (k - l * m) - off * (off / pivot);
-        }
-        Some(pivot)
+        let rows = inner.zip(beside).map(|((k, m), (k_off, m_off))| (k - l * m, k_off - l * m_off));
+        last_pivot(first, rows, |pivot, _| pivot < 0.0)
     }
 }
 
 /// The rows of `pencil`, cut where a contact joins two nodes.
-pub(super) fn rows(pencil: &Pencil) -> Chain<Rows<'_>> {
+pub(super) fn rows(pencil: ChainPencil<'_>) -> Chain<Rows<'_>> {
     let (k, m) = (pencil.stiffness(), pencil.mass());
-    let mut cuts = vec![0];
-    let (mut left_wall, mut right_wall) = (false, false);
-    for (i, gap) in pencil.gaps().iter().enumerate() {
-        match *gap {
-            Gap::Pair { left } => cuts.push(left + 1),
-            Gap::Wall { node: 0 } if i == 0 && pencil.size() > 1 => left_wall = true,
-            Gap::Wall { .. } => right_wall = true,
+    let segments = pencil.bars().iter().map(|bar| {
+        let (nodes, beside) = (bar.nodes.clone(), bar.nodes.start..bar.nodes.end - 1);
+        Rows {
+            stiffness: &k.diagonal[nodes.clone()],
+            stiffness_off: &k.off_diagonal[beside.clone()],
+            mass: &m.diagonal[nodes],
+            mass_off: &m.off_diagonal[beside],
         }
-    }
-    cuts.push(pencil.size());
-    let segments = cuts.windows(2).map(|cut| Rows {
-        stiffness: &k.diagonal[cut[0]..cut[1]],
-        stiffness_off: &k.off_diagonal[cut[0]..cut[1] - 1],
-        mass: &m.diagonal[cut[0]..cut[1]],
-        mass_off: &m.off_diagonal[cut[0]..cut[1] - 1],
     });
-    Chain { segments: segments.collect(), left_wall, right_wall }
+    let bars = pencil.bars();
+    let (first, last) = (&bars[0], &bars[bars.len() - 1]);
+    Chain { segments: segments.collect(), left_wall: first.left.is_some(), right_wall: last.right.is_some() }
 }
 
 /// The engine `sturm`: about 53 eliminations of n rows for one eigenvalue.
 #[derive(Debug)]
 pub struct Sturm<'a> {
-    pencil: &'a Pencil,
+    pencil: ChainPencil<'a>,
     chain: Chain<Rows<'a>>,
 }
 
 impl<'a> Sturm<'a> {
     /// The engine for `pencil`.
-    pub fn new(pencil: &'a Pencil) -> Self {
+    pub fn new(pencil: ChainPencil<'a>) -> Self {
         Self { pencil, chain: rows(pencil) }
     }
 
     /// Whether every eigenvalue lies below l: the Sturm count of eigenvalues at or above l is zero.
-    pub fn is_above_spectrum(&self, penalties: &[Penalty], l: f64) -> bool {
-        self.chain.is_above_spectrum(penalties, l)
+    pub fn is_above_spectrum(&self, penalty: &Penalty, l: f64) -> bool {
+        self.chain.is_above_spectrum(&self.pencil.terms(penalty), l)
     }
 
     /// Proves by two Sturm counts, each with the margin of its rounding, that `value` is l_max to within `spread`.
     ///
     /// # Errors
     /// [`Uncertified`] if a count contradicts the value or the interval is too wide.
-    pub fn verify(&self, penalties: &[Penalty], value: f64, spread: f64) -> Result<Enclosure, Uncertified> {
-        let kappa = sturm_backward_error(self.pencil, penalties, value);
+    pub fn verify(&self, penalty: &Penalty, value: f64, spread: f64) -> Result<Enclosure, Uncertified> {
+        let terms = self.pencil.terms(penalty);
+        let kappa = sturm_backward_error(self.pencil, &terms, value);
         let (low, high) = (value * (1.0 - spread), value * (1.0 + spread));
-        if self.is_above_spectrum(penalties, low) || !self.is_above_spectrum(penalties, high) {
+        if self.chain.is_above_spectrum(&terms, low) || !self.chain.is_above_spectrum(&terms, high) {
             return Err(Uncertified { value, width: f64::INFINITY });
         }
         certify(Enclosure { value, lower: low * (1.0 - kappa), upper: high * (1.0 + kappa) })
     }
 
     /// Eliminations of the pencil that [`Engine::enclose`] takes.
-    pub fn eliminations(&self, penalties: &[Penalty]) -> u64 {
-        let count = Cell::new(0);
-        self.bracket(penalties, |l| {
+    pub fn eliminations(&self, penalty: &Penalty) -> u64 {
+        let (count, terms) = (Cell::new(0), self.pencil.terms(penalty));
+        self.bracket(&terms, |l| {
             count.set(count.get() + 1);
-            self.is_above_spectrum(penalties, l)
+            self.chain.is_above_spectrum(&terms, l)
         });
         count.get()
     }
 
-    fn bracket(&self, penalties: &[Penalty], above: impl Fn(f64) -> bool) -> (f64, f64) {
-        let (mut low, mut high) = (self.pencil.lower_bound(penalties), self.pencil.upper_bound(penalties));
+    fn bracket(&self, terms: &[Terms], above: impl Fn(f64) -> bool) -> (f64, f64) {
+        let (mut low, mut high) = (self.pencil.lower_bound(terms), self.pencil.upper_bound(terms));
         // The bounds hold exactly; rounding may put them a few units on the wrong side.
         while above(low) {
             low *= 0.5;
@@ -113,14 +103,20 @@ impl Engine for Sturm<'_> {
         "sturm"
     }
 
-    fn estimate(&self, penalties: &[Penalty], _start: Option<f64>) -> f64 {
-        let (low, high) = self.bracket(penalties, |l| self.is_above_spectrum(penalties, l));
-        low + 0.5 * (high - low)
+    fn enclose(&self, penalty: &Penalty, _start: Option<f64>) -> Result<Enclosure, Uncertified> {
+        let terms = self.pencil.terms(penalty);
+        let (low, high) = self.bracket(&terms, |l| self.chain.is_above_spectrum(&terms, l));
+        let kappa = sturm_backward_error(self.pencil, &terms, low);
+        certify(Enclosure::from_bracket(low, high, kappa))
     }
 
-    fn enclose(&self, penalties: &[Penalty], _start: Option<f64>) -> Result<Enclosure, Uncertified> {
-        let (low, high) = self.bracket(penalties, |l| self.is_above_spectrum(penalties, l));
-        let kappa = sturm_backward_error(self.pencil, penalties, low);
-        certify(Enclosure::from_bracket(low, high, kappa))
+    fn condensed(&self) -> Option<&dyn Condensed> {
+        Some(self)
+    }
+}
+
+impl Condensed for Sturm<'_> {
+    fn is_above(&self, terms: &[Terms], l: f64) -> bool {
+        self.chain.is_above_spectrum(terms, l)
     }
 }

@@ -6,11 +6,11 @@
 
 use super::UniformBar;
 use super::uniform_bar::Compressed;
-use crate::fem::{MassMatrix, assemble_shortened};
-use crate::pencil::{Penalty, Pencil};
+use crate::fem::{MassMatrix, assemble_shortened, contact_scales};
+use crate::pencil::{Penalty, Pencil, Scale, Terms, contact_bound};
 use crate::scene::{End, Scene};
 use crate::spectrum::{
-    Chain, Enclosure, Engine, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
+    Chain, Condensed, Enclosure, Engine, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
 };
 
 /// What the contacts of a scene make of its equations.
@@ -29,6 +29,7 @@ enum Kind {
 #[derive(Debug)]
 pub struct ClosedForm {
     chain: Chain<UniformBar>,
+    scales: Vec<Scale>,
     kind: Kind,
     element_bound: f64,
     lower_bound: f64,
@@ -52,6 +53,7 @@ impl ClosedForm {
         let node = |bar: &UniformBar| bar.stiffness / bar.element_mass / mass.entries().0;
         Self {
             kind: kind(&chain, scene.contact_sites().len()),
+            scales: contact_scales(scene),
             element_bound,
             lower_bound: chain.segments.iter().map(node).fold(0.0, f64::max),
             compliance: compliance_bounds(&chain, mass),
@@ -65,67 +67,62 @@ impl ClosedForm {
     pub fn gap_stiffness(&self, l: f64) -> Option<f64> {
         let t = match self.kind {
             Kind::Row => return None,
-            _ => self.excess(&[Penalty::default()], l),
+            _ => self.excess(&[Terms::default()], l),
         };
         t.is_finite().then_some(t)
     }
 
     /// Whether every eigenvalue lies below l.
-    pub fn is_above_spectrum(&self, penalties: &[Penalty], l: f64) -> bool {
-        self.excess(penalties, l) > 0.0
-    }
-
-    fn contact_bound(&self, penalties: &[Penalty]) -> f64 {
-        let term =
-            |(mu, p): (&f64, &Penalty)| p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass);
-        self.compliance.iter().zip(penalties).map(term).sum()
+    pub fn is_above_spectrum(&self, penalty: &Penalty, l: f64) -> bool {
+        penalty.with_terms(&self.scales, |terms| self.is_above(terms, l))
     }
 
     /// As `sturm_backward_error`, for the formulas: q, w and the elimination take fewer than 24 roundings, each a
     /// relative error of T, which shifts the root by no more than itself because T' l >= |T|; the stored entries of
     /// the pencil differ from EA/h and rho h A by 4 more, of which those of the mass count thrice.
-    fn backward_error(&self, penalties: &[Penalty], l: f64) -> f64 {
-        let stiffness = self.shortened.stiffness_bound(penalties) + self.contact_bound(penalties);
+    fn backward_error(&self, terms: &[Terms], l: f64) -> f64 {
+        let bars = self.shortened.chain().map_or(self.element_bound, |chain| chain.stiffness_bound(terms));
+        let stiffness = bars + contact_bound(&self.compliance, terms);
         UNIT_ROUNDOFF * (24.0 + 12.0 + 28.0 * stiffness / l)
     }
 
     /// The sign function of the spectrum: negative where an eigenvalue lies at or above l.
-    fn excess(&self, penalties: &[Penalty], l: f64) -> f64 {
+    fn excess(&self, terms: &[Terms], l: f64) -> f64 {
         match &self.kind {
-            Kind::Alone { bar, pair, .. } => alone(bar, *pair, &penalties[0], l),
-            Kind::OneContact { left, right } => one_contact(left, right, &penalties[0], l),
-            Kind::Row => -self.chain.last_pivot(penalties, l),
+            Kind::Alone { bar, pair, .. } => alone(bar, *pair, &terms[0], l),
+            Kind::OneContact { left, right } => one_contact(left, right, &terms[0], l),
+            Kind::Row => -self.chain.last_pivot(terms, l),
         }
     }
 
-    fn bounds(&self, penalties: &[Penalty]) -> (f64, f64) {
-        let ratio = |p: &Penalty| match p.stiffness {
+    fn bounds(&self, terms: &[Terms]) -> (f64, f64) {
+        let ratio = |p: &Terms| match p.stiffness {
             0.0 => 0.0,
             s => s / (p.mass + 0.5 * p.nodal_mass),
         };
-        let mediant = penalties.iter().map(ratio).fold(self.element_bound, f64::max);
-        let high = mediant.min(self.element_bound + self.contact_bound(penalties));
+        let mediant = terms.iter().map(ratio).fold(self.element_bound, f64::max);
+        let high = mediant.min(self.element_bound + contact_bound(&self.compliance, terms));
         // The penalty mass may pull the spectrum below the stiffest node it acts on: then look below.
         let mut low = 0.5 * self.lower_bound.min(high);
-        while self.excess(penalties, low) >= 0.0 && low > f64::MIN_POSITIVE {
+        while self.excess(terms, low) >= 0.0 && low > f64::MIN_POSITIVE {
             low *= 0.125;
         }
         let mut high = high * (1.0 + 64.0 * f64::EPSILON);
         // Rounding may put the bound a few units on the wrong side; the doubling ends the search whatever happens.
         let mut widening = 64.0 * f64::EPSILON;
-        while self.excess(penalties, high) < 0.0 && high < f64::MAX {
+        while self.excess(terms, high) < 0.0 && high < f64::MAX {
             high *= 1.0 + widening;
             widening *= 2.0;
         }
         (low, high)
     }
 
-    fn bracket(&self, penalties: &[Penalty], start: Option<f64>) -> (f64, f64) {
-        let (low, high) = self.bounds(penalties);
+    fn bracket(&self, terms: &[Terms], start: Option<f64>) -> (f64, f64) {
+        let (low, high) = self.bounds(terms);
         if let Kind::Row = self.kind {
-            return bisect(low, high, |l| self.excess(penalties, l) > 0.0);
+            return bisect(low, high, |l| self.excess(terms, l) > 0.0);
         }
-        let excess = |l: f64| self.excess(penalties, l);
+        let excess = |l: f64| self.excess(terms, l);
         let ((low, f_low), (high, f_high)) = around(start, (low, excess(low)), (high, excess(high)), excess);
         find_sign_change((low, f_low), (high, f_high), 2.0 * f64::EPSILON, excess)
     }
@@ -184,13 +181,13 @@ fn kind(chain: &Chain<UniformBar>, contacts: usize) -> Kind {
 /// T(l) - c(l) of [`Kind::Alone`]. Of two equal bars the gap feels half of each; their common motion does not feel
 /// it at all, and bounds the spectrum from below.
 #[inline]
-fn alone(bar: &UniformBar, pair: bool, penalty: &Penalty, l: f64) -> f64 {
+fn alone(bar: &UniformBar, pair: bool, terms: &Terms, l: f64) -> f64 {
     let Some(t) = bar.seen_from_contact(l, false) else { return f64::NEG_INFINITY };
     if !pair {
-        return t - (penalty.dynamic_stiffness(l) - l * penalty.nodal_mass);
+        return t - (terms.dynamic_stiffness(l) - l * terms.nodal_mass);
     }
-    let common = t + l * penalty.nodal_mass;
-    if common > 0.0 { 0.5 * common - penalty.dynamic_stiffness(l) } else { f64::NEG_INFINITY }
+    let common = t + l * terms.nodal_mass;
+    if common > 0.0 { 0.5 * common - terms.dynamic_stiffness(l) } else { f64::NEG_INFINITY }
 }
 
 /// T(l) - c(l) of one contact, N/m; -inf where the bars, joined rigidly at the contact, have an eigenvalue at or
@@ -198,30 +195,26 @@ fn alone(bar: &UniformBar, pair: bool, penalty: &Penalty, l: f64) -> f64 {
 fn one_contact(
     left: &Option<(UniformBar, bool)>,
     right: &Option<(UniformBar, bool)>,
-    penalty: &Penalty,
+    terms: &Terms,
     l: f64,
 ) -> f64 {
     let seen = |side: &Option<(UniformBar, bool)>| {
         side.as_ref()
-            .map(|(bar, far_fixed)| Some(bar.seen_from_contact(l, *far_fixed)? + l * penalty.nodal_mass))
+            .map(|(bar, far_fixed)| Some(bar.seen_from_contact(l, *far_fixed)? + l * terms.nodal_mass))
     };
     let t = match (seen(left), seen(right)) {
         (Some(Some(t)), None) | (None, Some(Some(t))) => t,
         (Some(Some(t1)), Some(Some(t2))) if t1 + t2 > 0.0 => t1 * (t2 / (t1 + t2)),
         _ => return f64::NEG_INFINITY,
     };
-    t - penalty.dynamic_stiffness(l)
+    t - terms.dynamic_stiffness(l)
 }
 
-impl Engine for ClosedForm {
-    fn name(&self) -> &'static str {
-        "closed-form"
-    }
-
+impl ClosedForm {
     #[inline]
-    fn estimate(&self, penalties: &[Penalty], start: Option<f64>) -> f64 {
+    fn estimate(&self, terms: &[Terms], start: Option<f64>) -> f64 {
         if let Kind::Alone { bar, compressed, pair, share } = &self.kind {
-            let p = &penalties[0];
+            let p = &terms[0];
             let b = share * p.stiffness;
             let b_mass = share * (p.mass + 0.5 * p.nodal_mass) * bar.eigenvalue;
             if let Some(y) = bar.relative_rise(compressed, b, b_mass) {
@@ -230,19 +223,40 @@ impl Engine for ClosedForm {
                 return bar.eigenvalue + bar.eigenvalue * y;
             }
         }
-        let (low, high) = self.bracket(penalties, start);
+        let (low, high) = self.bracket(terms, start);
         low + 0.5 * (high - low)
     }
 
-    fn enclose(&self, penalties: &[Penalty], start: Option<f64>) -> Result<Enclosure, Uncertified> {
-        let value = self.estimate(penalties, start);
-        let kappa = self.backward_error(penalties, value);
+    fn certified(&self, terms: &[Terms], start: Option<f64>) -> Result<Enclosure, Uncertified> {
+        let value = self.estimate(terms, start);
+        let kappa = self.backward_error(terms, value);
         // Two signs of the secular function, a little to either side of the value, prove it.
         let spread = 16.0 * f64::EPSILON;
         let (low, high) = (value * (1.0 - spread), value * (1.0 + spread));
-        if self.excess(penalties, low) >= 0.0 || self.excess(penalties, high) < 0.0 {
+        if self.excess(terms, low) >= 0.0 || self.excess(terms, high) < 0.0 {
             return Err(Uncertified { value, width: f64::INFINITY });
         }
         certify(Enclosure { value, lower: low * (1.0 - kappa), upper: high * (1.0 + kappa) })
+    }
+}
+
+impl Engine for ClosedForm {
+    fn name(&self) -> &'static str {
+        "closed-form"
+    }
+
+    #[inline]
+    fn enclose(&self, penalty: &Penalty, start: Option<f64>) -> Result<Enclosure, Uncertified> {
+        penalty.with_terms(&self.scales, |terms| self.certified(terms, start))
+    }
+
+    fn condensed(&self) -> Option<&dyn Condensed> {
+        Some(self)
+    }
+}
+
+impl Condensed for ClosedForm {
+    fn is_above(&self, terms: &[Terms], l: f64) -> bool {
+        self.excess(terms, l) > 0.0
     }
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{CriticalStep, Grid, Model};
 use crate::penalty::{Ratio, StiffnessPenalty};
-use crate::spectrum::{Engine, Uncertified};
+use crate::spectrum::{StepLimit, Uncertified};
 
 /// One point of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,11 +24,11 @@ pub struct Curve {
     pub points: Vec<Point>,
 }
 
-/// Computes the certified map of `model` over `grid` with `engine`, in parallel over pieces of its curves.
+/// Computes the certified map of `model` over `grid` with `limit`, in parallel over pieces of its curves.
 ///
 /// Every point starts afresh or from its left neighbour within the same piece, and the pieces do not depend on the
 /// number of threads: so the numbers do not either. `done` is told of every finished piece.
-pub fn map(model: &Model, grid: &Grid, engine: &dyn Engine, done: &(dyn Fn(usize) + Sync)) -> Vec<Curve> {
+pub fn map(model: &Model, grid: &Grid, limit: &dyn StepLimit, done: &(dyn Fn(usize) + Sync)) -> Vec<Curve> {
     let pieces: Vec<(Ratio, &[StiffnessPenalty])> = grid
         .ratios
         .iter()
@@ -37,7 +37,7 @@ pub fn map(model: &Model, grid: &Grid, engine: &dyn Engine, done: &(dyn Fn(usize
     let computed: Vec<Vec<Point>> = pieces
         .into_par_iter()
         .map(|(ratio, piece)| {
-            let points = curve_piece(model, engine, ratio, piece);
+            let points = curve_piece(model, limit, ratio, piece);
             done(piece.len());
             points
         })
@@ -50,13 +50,12 @@ pub fn map(model: &Model, grid: &Grid, engine: &dyn Engine, done: &(dyn Fn(usize
 /// Points in a piece: enough to spread the cost of a task, few enough to share a single curve between cores.
 const PIECE: usize = 64;
 
-fn curve_piece(model: &Model, engine: &dyn Engine, ratio: Ratio, piece: &[StiffnessPenalty]) -> Vec<Point> {
-    let (mut start, mut penalties) = (None, Vec::new());
+fn curve_piece(model: &Model, limit: &dyn StepLimit, ratio: Ratio, piece: &[StiffnessPenalty]) -> Vec<Point> {
+    let mut start = None;
     let solve = |beta_s: &StiffnessPenalty| {
-        model.set_penalties(&mut penalties, *beta_s, ratio);
-        let enclosure = engine.enclose(&penalties, start);
-        start = enclosure.as_ref().ok().map(|enclosure| enclosure.value);
-        Point { stiffness_penalty: *beta_s, step: enclosure.map(|l| model.critical_step(l)) }
+        let found = limit.enclose(&model.penalty(*beta_s, ratio), start);
+        start = found.as_ref().ok().map(|step| step.l.value);
+        Point { stiffness_penalty: *beta_s, step: found.map(|step| model.critical_step(step.l)) }
     };
     piece.iter().map(solve).collect()
 }

@@ -4,11 +4,12 @@ use std::str::FromStr;
 
 use super::{ClosedForm, Grid};
 use crate::error::Refusal;
-use crate::fem::{MassMatrix, assemble};
-use crate::penalty::{ContactScale, PenaltyMass, Ratio, StiffnessPenalty, reference_bar};
-use crate::pencil::{Penalty, Pencil};
+use crate::fem::{MassMatrix, assemble, contact_scales, reference_bar};
+use crate::penalty::{self, PenaltyMass, Ratio, StiffnessPenalty};
+use crate::pencil::{Penalty, Pencil, Scale};
 use crate::scene::Scene;
-use crate::spectrum::{Dense, Enclosure, Engine, MAX_DENSE_NODES, Secular, Sturm};
+use crate::schemes::{Onset, Scheme};
+use crate::spectrum::{Dense, Enclosure, Engine, MAX_DENSE_NODES, Secular, StepLimit, Sturm};
 
 /// The engines by the names that users type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -95,7 +96,8 @@ pub struct Model {
     scene: Scene,
     mass: MassMatrix,
     form: PenaltyMass,
-    scales: Vec<ContactScale>,
+    scales: Vec<Scale>,
+    reference_eigenvalue: f64,
     reference_rate: f64,
 }
 
@@ -104,8 +106,8 @@ impl Model {
     pub fn new(scene: Scene, mass: MassMatrix, form: PenaltyMass) -> Self {
         let reference = reference_bar(&scene, mass);
         let reference_rate = reference.element_stiffness() / reference.element_mass();
-        let scales = ContactScale::of(&scene, mass);
-        Self { mass, form, scales, reference_rate, scene }
+        let (scales, reference_eigenvalue) = (contact_scales(&scene), mass.element_eigenvalue(reference));
+        Self { mass, form, scales, reference_eigenvalue, reference_rate, scene }
     }
 
     /// The scene.
@@ -124,8 +126,18 @@ impl Model {
     }
 
     /// The scales of the contacts from left to right.
-    pub fn scales(&self) -> &[ContactScale] {
+    pub fn scales(&self) -> &[Scale] {
         &self.scales
+    }
+
+    /// omega^2, rad^2/s^2: the largest of the elements that touch a contact, in which the ratio is measured.
+    pub fn reference_eigenvalue(&self) -> f64 {
+        self.reference_eigenvalue
+    }
+
+    /// Whether the mass penalty of a contact is spread over its nodes: the diagonalised form between two bars.
+    pub fn spreads_mass(&self) -> bool {
+        self.form == PenaltyMass::Diagonalised && self.scales.iter().any(|scale| scale.pair)
     }
 
     /// The contact-free pencil, assembled.
@@ -133,34 +145,25 @@ impl Model {
         assemble(&self.scene, self.mass)
     }
 
-    /// The contact terms of all contacts for (beta_s, r); every contact is closed.
-    pub fn penalties(&self, beta_s: StiffnessPenalty, ratio: Ratio) -> Vec<Penalty> {
-        self.scales.iter().map(|scale| scale.penalty(beta_s, ratio, self.form)).collect()
-    }
-
-    /// As [`Model::penalties`] into a buffer: a map needs them at every point.
+    /// The penalty of all contacts for (beta_s, r); every contact is closed.
     #[inline]
-    pub fn set_penalties(&self, penalties: &mut Vec<Penalty>, beta_s: StiffnessPenalty, ratio: Ratio) {
-        if penalties.len() != self.scales.len() {
-            penalties.resize(self.scales.len(), Penalty::default());
-        }
-        for (penalty, scale) in penalties.iter_mut().zip(&self.scales) {
-            *penalty = scale.penalty(beta_s, ratio, self.form);
-        }
+    pub fn penalty(&self, beta_s: StiffnessPenalty, ratio: Ratio) -> Penalty {
+        Penalty { stiffness: beta_s.get(), rate: ratio.get() * self.reference_eigenvalue, form: self.form }
     }
 
     /// Refuses penalties that f64 cannot hold.
     ///
     /// # Errors
-    /// See [`ContactScale::check`].
+    /// See [`penalty::check`].
     pub fn check(&self, beta_s: StiffnessPenalty, ratio: Ratio) -> Result<(), Refusal> {
-        self.scales.iter().try_for_each(|scale| scale.check(beta_s, ratio))
+        let check = |scale: &Scale| penalty::check(scale.stiffness, self.reference_eigenvalue, beta_s, ratio);
+        self.scales.iter().try_for_each(check)
     }
 
     /// Refuses a grid whose penalties f64 cannot hold; s and m are monotone, so its corners tell.
     ///
     /// # Errors
-    /// See [`ContactScale::check`].
+    /// See [`penalty::check`].
     pub fn check_grid(&self, grid: &Grid) -> Result<(), Refusal> {
         let positive = || grid.stiffness_penalties.iter().filter(|b| b.get() > 0.0).copied();
         let smallest = positive().reduce(|a, b| if b < a { b } else { a });
@@ -181,22 +184,51 @@ impl Model {
         let nodes = self.scene.elements() + self.scene.bars().len();
         if engine.is_dense() && nodes > MAX_DENSE_NODES {
             let value = format!("{} with {nodes} nodes", engine.text());
-            return Err(Refusal::new("--engine", value, format!("at most {MAX_DENSE_NODES} nodes, or auto")));
+            return Err(Refusal::new("engine", value, format!("at most {MAX_DENSE_NODES} nodes, or auto")));
         }
         Ok(())
     }
 
-    /// The engine called `name`. Engines that work on the pencil need it; without one, the closed form serves.
-    pub fn engine<'a>(&self, name: EngineName, pencil: Option<&'a Pencil>) -> Box<dyn Engine + 'a> {
-        let Some(pencil) = pencil else { return Box::new(ClosedForm::new(&self.scene, self.mass)) };
-        match name {
-            EngineName::Auto | EngineName::ClosedForm => Box::new(ClosedForm::new(&self.scene, self.mass)),
-            EngineName::Secular => Box::new(Secular::new(pencil)),
-            EngineName::Sturm => Box::new(Sturm::new(pencil)),
-            EngineName::Dense => Box::new(Dense::new(pencil)),
+    /// The closed form of this model: the engine that needs no pencil.
+    pub fn closed_form(&self) -> ClosedForm {
+        ClosedForm::new(&self.scene, self.mass)
+    }
+
+    /// The engine called `name`, of the pencil of this model.
+    ///
+    /// # Errors
+    /// As [`Model::check_engine`]; a pencil that is no chain.
+    pub fn engine<'a>(&self, name: EngineName, pencil: &'a Pencil) -> Result<Box<dyn Engine + 'a>, Refusal> {
+        self.check_engine(name)?;
+        let chain = || {
+            pencil.chain().ok_or_else(|| Refusal::new("engine", name.text(), "dense, for what is no row of bars"))
+        };
+        Ok(match name {
+            EngineName::Auto | EngineName::ClosedForm => Box::new(self.closed_form()),
+            EngineName::Secular => Box::new(Secular::new(chain()?)),
+            EngineName::Sturm => Box::new(Sturm::new(chain()?)),
+            EngineName::Dense => Box::new(Dense::new(pencil)?),
             #[cfg(feature = "lapack")]
-            EngineName::Lapack => Box::new(crate::spectrum::lapack::Lapack::new(pencil)),
+            EngineName::Lapack => Box::new(crate::spectrum::lapack::Lapack::new(chain()?)),
+        })
+    }
+
+    /// The limit of `scheme` with closed contacts; `pencil` is that of this model.
+    ///
+    /// # Errors
+    /// As [`Scheme::limit`]; the diagonalised mass penalty between two bars for all but the scheme of the spectrum, in
+    /// which (M + M_p)^-1 Z is no multiple of M^-1 Z.
+    pub fn limit<'a>(
+        &self,
+        scheme: &dyn Scheme,
+        pencil: &'a Pencil,
+    ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
+        let name = scheme.facts().name;
+        if self.spreads_mass() && scheme.facts().onset != Onset::SquareRoot {
+            let value = format!("{name} with a diagonalised mass penalty between two bars");
+            return Err(Refusal::new("limit", value, "the consistent mass penalty"));
         }
+        scheme.limit(pencil, Box::new(self.closed_form()))
     }
 
     /// (c0/h)^2 of the reference element, 1/s^2: C_r = 2 sqrt(rate/l).

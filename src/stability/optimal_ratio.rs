@@ -7,8 +7,9 @@
 use super::{Model, SchemeLimit, UniformBar};
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
+use crate::pencil::Penalty;
 use crate::scene::{Bar, End};
-use crate::spectrum::{Enclosure, Engine, Uncertified, bisect};
+use crate::spectrum::{Enclosure, Engine, StepLimit as _, Uncertified, bisect};
 
 /// The optimal ratio at one beta_s.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,9 +39,8 @@ impl Expectation {
     /// # Errors
     /// Passes on an eigenvalue that could not be certified.
     pub fn of(model: &Model, engine: &dyn Engine) -> Result<Self, Uncertified> {
-        let contact_free = engine.enclose(&vec![Default::default(); model.scales().len()], None)?;
-        let element_eigenvalue = model.scales().iter().map(|s| s.element_eigenvalue).fold(0.0, f64::max);
-        Ok(Self { contact_free, element_eigenvalue })
+        let contact_free = engine.enclose(&Penalty::NONE, None)?;
+        Ok(Self { contact_free, element_eigenvalue: model.reference_eigenvalue() })
     }
 
     /// r* = l_max(K, M)/omega_e^2.
@@ -69,7 +69,7 @@ pub fn optimal_ratio(
     beta_s: StiffnessPenalty,
 ) -> Result<Option<OptimalRatio>, Uncertified> {
     let free = expectation.contact_free;
-    let penalised = |r: Ratio| engine.enclose(&model.penalties(beta_s, r), None);
+    let penalised = |r: Ratio| engine.enclose(&model.penalty(beta_s, r), None);
     let costs = |r: f64| match Ratio::new(r).map(penalised) {
         Ok(Ok(l)) => l.lower > free.upper,
         _ => false,
@@ -96,10 +96,10 @@ pub fn optimal_scheme_ratio(
     beta_s: StiffnessPenalty,
 ) -> Result<Option<OptimalRatio>, Uncertified> {
     let free = limit.contact_free();
-    let penalised = |r: Ratio| limit.enclose(&model.penalties(beta_s, r), None);
+    let penalised = |r: Ratio| limit.enclose(&model.penalty(beta_s, r), None).map(|step| step.l);
     let with = |r: f64, test: &dyn Fn(Ratio) -> bool| Ratio::new(r).is_ok_and(test);
     let costs = |r: f64| with(r, &|r| penalised(r).is_ok_and(|l| l.lower > free.upper));
-    let may_cost = |r: f64| !with(r, &|r| limit.costs_nothing(&model.penalties(beta_s, r)));
+    let may_cost = |r: f64| !with(r, &|r| limit.costs_nothing(&model.penalty(beta_s, r)));
     penalised(Ratio::OPTIMAL)?;
     if !costs(LARGEST_RATIO) {
         return Ok(None);

@@ -32,10 +32,10 @@ pub mod opening;
 use rayon::prelude::*;
 
 use crate::error::Refusal;
-use crate::impact::{Mesh, contact_free_step};
+use crate::impact::contact_free_step;
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::pencil::Pencil;
-use crate::schemes::{ContactRule, Park, Scheme, Setup, State, Stepper};
+use crate::schemes::{ContactRule, Onset, Scheme, State, System};
 use crate::stability::Model;
 
 /// The motion is looked at every so many steps.
@@ -80,13 +80,13 @@ impl Search {
     /// # Errors
     /// Refuses a tolerance outside [1e-12, 0.1], where rounding or the threshold would decide, and one that asks for
     /// more than 1e9 steps a trial.
-    pub fn to(tolerance: f64, scheme: Scheme) -> Result<Self, Refusal> {
+    pub fn to(tolerance: f64, scheme: &dyn Scheme) -> Result<Self, Refusal> {
         if !(1e-12..=0.1).contains(&tolerance) {
             return Err(Refusal::new("tolerance", tolerance, "a number in [1e-12, 0.1]"));
         }
-        let steps = match scheme {
-            Scheme::CentralDifference => 9.0 / tolerance.sqrt(),
-            Scheme::PredictorCorrector | Scheme::Park => 100.0 / tolerance,
+        let steps = match scheme.facts().onset {
+            Onset::SquareRoot => 9.0 / tolerance.sqrt(),
+            Onset::Linear => 100.0 / tolerance,
         };
         Self { tolerance, steps: steps.ceil() as u64 }.checked()
     }
@@ -96,7 +96,7 @@ impl Search {
     ///
     /// # Errors
     /// As [`Search::to`].
-    pub fn for_prediction(tolerance: f64, scheme: Scheme, prediction: &Prediction) -> Result<Self, Refusal> {
+    pub fn for_prediction(tolerance: f64, scheme: &dyn Scheme, prediction: &Prediction) -> Result<Self, Refusal> {
         let usual = Self::to(tolerance, scheme)?;
         let needed = prediction.steps_needed.filter(|_| prediction.is_visible());
         // The bracket ends at half the tolerance above the prediction, and growth at least halves with the distance.
@@ -158,20 +158,18 @@ pub struct Point {
     pub ratio: Ratio,
 }
 
-/// The largest stable Courant number of `scheme` with the contacts of `model` held closed; `theta` is for
-/// [`Scheme::Park`]. If a scheme is stable again above its first limit, one of its limits is found.
+/// The largest stable Courant number of `scheme` with the contacts of `model` held closed. If a scheme is stable again above its first limit, one of its limits is found.
 ///
 /// # Errors
-/// Refuses what [`Stepper::new`], [`Model::check`] and [`Search::to`] refuse, and a model that no step makes stable or
+/// Refuses what [`Scheme::start`], [`Model::check`] and [`Search::to`] refuse, and a model that no step makes stable or
 /// unstable.
 pub fn largest_stable_courant(
     model: &Model,
-    scheme: Scheme,
-    theta: f64,
+    scheme: &dyn Scheme,
     point: Point,
     search: &Search,
 ) -> Result<Limit, Refusal> {
-    Trials::new(model, scheme, theta, point, search)?.bisect((1.0, 2.0))
+    Trials::new(model, scheme, point, search)?.bisect((1.0, 2.0))
 }
 
 /// [`largest_stable_courant`] of every point, in parallel; in the order of `points`.
@@ -180,12 +178,11 @@ pub fn largest_stable_courant(
 /// The first refusal.
 pub fn limits(
     model: &Model,
-    scheme: Scheme,
-    theta: f64,
+    scheme: &dyn Scheme,
     points: &[Point],
     search: &Search,
 ) -> Result<Vec<Limit>, Refusal> {
-    points.par_iter().map(|point| largest_stable_courant(model, scheme, theta, *point, search)).collect()
+    points.par_iter().map(|point| largest_stable_courant(model, scheme, *point, search)).collect()
 }
 
 /// A stable Courant number and an unstable one with its growth: `start` divided and multiplied by `factor`, or further
@@ -227,11 +224,11 @@ fn upwards(
 /// What the trials of one point share.
 struct Trials<'a> {
     model: &'a Model,
-    scheme: Scheme,
-    park: Park,
+    scheme: &'a dyn Scheme,
+    pencil: Pencil,
+    critical_step: f64,
     point: Point,
     search: Search,
-    mesh: Mesh,
 }
 
 /// How a trial ended.
@@ -244,15 +241,14 @@ struct Trial {
 impl<'a> Trials<'a> {
     fn new(
         model: &'a Model,
-        scheme: Scheme,
-        theta: f64,
+        scheme: &'a dyn Scheme,
         point: Point,
         search: &Search,
     ) -> Result<Self, Refusal> {
         let search = search.checked()?;
         model.check(point.stiffness_penalty, point.ratio)?;
-        let park = Park { theta, critical_step: contact_free_step(model) };
-        Ok(Self { model, scheme, park, point, search, mesh: Mesh::new(model.scene()) })
+        let critical_step = contact_free_step(model)?;
+        Ok(Self { model, scheme, pencil: model.pencil().at_rest(), critical_step, point, search })
     }
 
     /// The limit, beginning with a bracket as wide as the tolerance around `courant`.
@@ -280,29 +276,24 @@ impl<'a> Trials<'a> {
     }
 
     fn run(&self, courant: f64) -> Result<Trial, Refusal> {
-        let pencil = self.model.pencil();
-        let penalties = self.model.penalties(self.point.stiffness_penalty, self.point.ratio);
-        let mut contacts = self.mesh.contacts(&pencil, &penalties);
-        contacts.iter_mut().for_each(|contact| contact.initial_gap = 0.0);
-        let mut stepper = Stepper::new(Setup {
-            pencil: &pencil,
-            contacts,
+        let (pencil, n) = (&self.pencil, self.pencil.size());
+        let system = System {
+            pencil,
+            penalty: self.model.penalty(self.point.stiffness_penalty, self.point.ratio),
             load: Vec::new(),
-            scheme: self.scheme,
             time_step: self.model.time_step(courant),
+            critical_step: self.critical_step,
             rule: ContactRule::HeldClosed,
-            park: self.park,
             account: false,
-        })?;
-        let n = pencil.size();
-        let mut state = stepper.start(vec![0.0; n], pseudo_random(n));
-        let start = size(&pencil, &state);
+        };
+        let mut motion = self.scheme.start(system, vec![0.0; n], pseudo_random(n))?;
+        let start = size(pencil, motion.state());
         let bound = self.search.threshold() * start;
         let mut seen = Vec::with_capacity((self.search.steps / STRIDE) as usize + 1);
         for step in 1..=self.search.steps {
-            stepper.step(&mut state);
+            motion.step();
             if step % STRIDE == 0 {
-                let now = size(&pencil, &state);
+                let now = size(pencil, motion.state());
                 seen.push(now);
                 if now.is_nan() || now > bound {
                     return Ok(Trial { growth: Some(late_growth(start, &seen)), steps: step });
@@ -319,20 +310,11 @@ impl<'a> Trials<'a> {
     }
 }
 
-/// sqrt(v' diag(M) v + u'K u), J^(1/2). In differences of neighbours: a rigid translation has no strain, however far.
+/// sqrt(v' diag(M) v + u'K u), J^(1/2). In differences: a rigid translation has no strain, however far.
 fn size(pencil: &Pencil, state: &State) -> f64 {
-    let (u, v, k) = (state.displacement(), state.stored_velocity(), pencil.stiffness());
-    let kinetic: f64 = v.iter().zip(&pencil.mass().diagonal).map(|(v, mass)| mass * v * v).sum();
-    let mut strain = 0.0;
-    for (i, own) in k.diagonal.iter().enumerate() {
-        let left = if i > 0 { k.off_diagonal[i - 1] } else { 0.0 };
-        let right = k.off_diagonal.get(i).copied().unwrap_or(0.0);
-        let to_ground = own + left + right;
-        strain += to_ground * u[i] * u[i];
-        if right != 0.0 {
-            strain -= right * (u[i + 1] - u[i]).powi(2);
-        }
-    }
+    let (u, v) = (&state.displacement, &state.velocity);
+    let kinetic: f64 = v.iter().enumerate().map(|(i, v)| pencil.mass().diagonal(i) * v * v).sum();
+    let strain = pencil.stiffness().strain(u, u);
     (kinetic + strain).sqrt()
 }
 

@@ -35,10 +35,10 @@
 
 use crate::error::Refusal;
 use crate::impact::{Run, potential_at_start};
-use crate::pencil::{Penalty, Pencil};
+use crate::pencil::Pencil;
 use crate::scene::{Bar, ContactSite, End, Impact, Scene};
 use crate::schemes::Scheme;
-use crate::stability::{EngineName, Model};
+use crate::stability::Model;
 
 use super::{Point, Predictor};
 
@@ -151,8 +151,7 @@ pub struct Gain {
 /// # Errors
 /// Refuses the diagonalised mass penalty, and a scene in which no energy is put in.
 pub fn energy_put_in(run: &Run, load: Load) -> Result<f64, Refusal> {
-    let (mut stepper, mut state) = run.prepare(false)?;
-    let supplied = stepper.energy(&mut state).stored() + load.available(run);
+    let supplied = run.prepare(false)?.energy().stored() + load.available(run);
     if supplied.is_normal() && supplied > 0.0 {
         return Ok(supplied);
     }
@@ -166,27 +165,28 @@ pub fn energy_put_in(run: &Run, load: Load) -> Result<f64, Refusal> {
 /// As [`energy_put_in`].
 pub fn energy_gain(run: &Run, load: Load) -> Result<Gain, Refusal> {
     let supplied = energy_put_in(run, load)?;
-    let (mut stepper, mut state) = run.prepare(false)?;
-    let start = stepper.energy(&mut state);
+    let mut motion = run.prepare(false)?;
+    let start = motion.energy();
     let mut gained: f64 = 0.0;
     for _ in 0..run.steps() {
-        stepper.step(&mut state);
-        stepper.synchronise(&mut state);
-        let now = -state.balance_work() / supplied;
+        motion.step();
+        motion.synchronise();
+        let now = -motion.state().balance_work / supplied;
         gained = if now.is_nan() { f64::INFINITY } else { gained.max(now) };
         if gained > LARGEST_GAIN {
             break;
         }
     }
-    let end = stepper.energy(&mut state);
+    let end = motion.energy();
+    let state = motion.state();
     let available = supplied - start.stored();
     // Without an account of the pullback this is H of the state alone.
-    let bars = end.stored() + end.loss - state.balance_work();
+    let bars = end.stored() + end.loss - state.balance_work;
     Ok(Gain {
         energy_gain: gained,
         energy_ratio: (bars + available - (end.body_work - start.body_work)) / supplied,
-        switches: state.switches(),
-        steps: state.steps(),
+        switches: state.switches,
+        steps: state.steps,
     })
 }
 
@@ -195,9 +195,9 @@ pub fn least_gain(model: &Model) -> f64 {
     1.0 / model.scene().elements() as f64
 }
 
-/// Whether the predictor-corrector is proven to gain nothing below its limit: with one contact that is open at the start
+/// Whether the scheme is proven to gain nothing below its limit, as the predictor-corrector is: with one contact that is open at the start
 /// and one step before it.
-pub fn is_proven(model: &Model, scheme: Scheme) -> bool {
+pub fn is_proven(model: &Model, scheme: &dyn Scheme) -> bool {
     let scene = model.scene();
     let [site] = scene.contact_sites()[..] else { return false };
     let distance = scene.impact().and_then(|impact| impact.gaps.first()).copied().unwrap_or(0.0);
@@ -207,36 +207,35 @@ pub fn is_proven(model: &Model, scheme: Scheme) -> bool {
         ContactSite::Between(left) => velocity(left) - velocity(left + 1),
         ContactSite::RightWall => velocity(scene.bars().len() - 1),
     };
-    scheme == Scheme::PredictorCorrector && distance >= 0.0 && approach >= 0.0
+    scheme.facts().gains_nothing && distance >= 0.0 && approach >= 0.0
 }
 
 /// The linear limits of one scheme, dt over the contact-free critical step.
 pub struct LinearLimit<'a> {
     model: &'a Model,
     predictor: Predictor<'a>,
-    contact_free: f64,
 }
 
 impl<'a> LinearLimit<'a> {
-    /// The limits of `scheme` (averaging `theta` for Park) for `model`, whose pencil is `pencil`.
+    /// The limits of `scheme` for `model`, whose pencil is `pencil`.
     ///
     /// # Errors
     /// What [`Predictor::new`] refuses.
-    pub fn new(model: &'a Model, pencil: &'a Pencil, scheme: Scheme, theta: f64) -> Result<Self, Refusal> {
-        let open = vec![Penalty::default(); model.scales().len()];
-        let contact_free = model.engine(EngineName::Auto, None).estimate(&open, None);
-        Ok(Self { model, predictor: Predictor::new(model, pencil, scheme, theta)?, contact_free })
+    pub fn new(model: &'a Model, pencil: &'a Pencil, scheme: &'a dyn Scheme) -> Result<Self, Refusal> {
+        Ok(Self { model, predictor: Predictor::new(model, pencil, scheme)? })
     }
 
     /// The limit of closed contact, or 1 where open contact stands less.
-    pub fn relative(&self, point: Point) -> f64 {
-        let penalties = self.model.penalties(point.stiffness_penalty, point.ratio);
-        let closed = self.predictor.engine().estimate(&penalties, None);
-        (self.contact_free / closed.max(self.contact_free)).sqrt()
+    ///
+    /// # Errors
+    /// As [`Predictor::step`].
+    pub fn relative(&self, point: Point) -> Result<f64, Refusal> {
+        let (closed, contact_free) = (self.predictor.step(point)?.l.value, self.predictor.contact_free());
+        Ok((contact_free / closed.max(contact_free)).sqrt())
     }
 
     /// c0 dt/h of the reference element of the contact-free critical step.
     pub fn contact_free_courant(&self) -> f64 {
-        self.model.critical_courant(self.contact_free)
+        self.model.critical_courant(self.predictor.contact_free())
     }
 }

@@ -1,10 +1,10 @@
 //! What stepping is to confirm: the limit with closed contacts, and how fast a step just above it grows.
 
 use crate::error::Refusal;
-use crate::pencil::Pencil;
+use crate::pencil::{Penalty, Pencil};
 use crate::schemes::Scheme;
-use crate::spectrum::Engine;
-use crate::stability::{EngineName, Model, SchemeLimit};
+use crate::spectrum::{Engine as _, Step, StepLimit};
+use crate::stability::Model;
 
 use super::{Limit, Point, Search, Trials, steps_to_show};
 
@@ -34,67 +34,63 @@ impl Prediction {
 /// Predicts the limits of one scheme for one model.
 pub struct Predictor<'a> {
     model: &'a Model,
-    scheme: Scheme,
-    theta: f64,
-    source: Source<'a>,
-}
-
-enum Source<'a> {
-    Spectrum(Box<dyn Engine + 'a>),
-    Scheme(Box<SchemeLimit<'a>>),
+    scheme: &'a dyn Scheme,
+    limit: Box<dyn StepLimit + 'a>,
+    /// The contact-free l_max, rad^2/s^2.
+    contact_free: f64,
 }
 
 impl<'a> Predictor<'a> {
-    /// Central differences have the limit of the spectrum, the others their own; `theta` is for [`Scheme::Park`].
+    /// For `model`, whose pencil is `pencil`.
     ///
     /// # Errors
-    /// What [`SchemeLimit::new`] refuses.
-    pub fn new(model: &'a Model, pencil: &'a Pencil, scheme: Scheme, theta: f64) -> Result<Self, Refusal> {
-        let source = match scheme {
-            Scheme::CentralDifference => Source::Spectrum(model.engine(EngineName::Auto, None)),
-            _ => Source::Scheme(Box::new(SchemeLimit::new(model, pencil, scheme, theta)?)),
-        };
-        Ok(Self { model, scheme, theta, source })
+    /// What [`Model::limit`] refuses, and a contact-free limit that is not certified.
+    pub fn new(model: &'a Model, pencil: &'a Pencil, scheme: &'a dyn Scheme) -> Result<Self, Refusal> {
+        let limit = model.limit(scheme, pencil)?;
+        let contact_free = model.closed_form().enclose(&Penalty::NONE, None);
+        let uncertified =
+            |e| Refusal::new(model.scene().name(), e, "scenes whose contact-free limit is certified");
+        Ok(Self { model, scheme, limit, contact_free: contact_free.map_err(uncertified)?.value })
     }
 
-    /// What finds the limit as l = 4/dt^2.
-    pub fn engine(&self) -> &dyn Engine {
-        match &self.source {
-            Source::Spectrum(engine) => engine.as_ref(),
-            Source::Scheme(limit) => limit.as_ref(),
-        }
+    /// What finds the limit.
+    pub fn limit(&self) -> &dyn StepLimit {
+        &*self.limit
     }
 
-    /// The limit at `point` and the growth at (1 + `tolerance`) times it. Above the spectrum's limit central differences
-    /// have the multipliers -exp(+-g), cosh g = 2 (1 + tolerance)^2 - 1.
-    pub fn at(&self, point: Point, tolerance: f64) -> Prediction {
-        let penalties = self.model.penalties(point.stiffness_penalty, point.ratio);
-        let l = self.engine().estimate(&penalties, None);
-        let (growth, islands) = match &self.source {
-            Source::Spectrum(_) => (Some(2.0 * (1.0 + tolerance).acosh()), Vec::new()),
-            Source::Scheme(limit) => {
-                let relative = (1.0 + tolerance) * (limit.contact_free().value / l).sqrt();
-                let free = self.model.critical_courant(limit.contact_free().value);
-                let islands = limit.islands(&penalties);
-                (
-                    limit.growth(&penalties, relative).map(f64::ln_1p),
-                    islands.iter().map(|(low, high)| (low * free, high * free)).collect(),
-                )
-            }
-        };
-        let steps_needed = growth.map(|growth| steps_to_show(tolerance, growth, self.share(l)));
-        Prediction { courant: self.model.critical_courant(l), growth, steps_needed, islands }
+    /// The contact-free l_max, rad^2/s^2.
+    pub fn contact_free(&self) -> f64 {
+        self.contact_free
     }
 
-    /// The share of a start with velocities alone that grows beyond the limit l. The Park scheme meets a stiff contact with
-    /// the displacement that these have made in a step, dt/dt_c of what they make in the modes of the bars.
-    fn share(&self, l: f64) -> f64 {
-        match &self.source {
-            Source::Scheme(limit) if self.scheme == Scheme::Park => {
-                (limit.contact_free().value / l).sqrt().min(1.0)
-            }
-            _ => 1.0,
-        }
+    /// l = 4/dt^2 of the limit at `point`.
+    ///
+    /// # Errors
+    /// A limit that could not be certified.
+    pub fn step(&self, point: Point) -> Result<Step, Refusal> {
+        let penalty = self.model.penalty(point.stiffness_penalty, point.ratio);
+        let uncertified = |e| Refusal::new(self.model.scene().name(), e, "points whose limit is certified");
+        self.limit.enclose(&penalty, None).map_err(uncertified)
+    }
+
+    /// The limit at `point` and the growth at (1 + `tolerance`) times it.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn at(&self, point: Point, tolerance: f64) -> Result<Prediction, Refusal> {
+        let step = self.step(point)?;
+        let penalty = self.model.penalty(point.stiffness_penalty, point.ratio);
+        let growth = self.limit.growth(&penalty, &step, 1.0 + tolerance);
+        let free = self.model.critical_courant(self.contact_free);
+        let courant = |l: f64| (self.contact_free / l).sqrt() * free;
+        let islands = self.limit.islands(&penalty);
+        let share = self.limit.share(&step);
+        Ok(Prediction {
+            courant: self.model.critical_courant(step.l.value),
+            growth,
+            steps_needed: growth.map(|growth| steps_to_show(tolerance, growth, share)),
+            islands: islands.iter().map(|(high, low)| (courant(*high), courant(*low))).collect(),
+        })
     }
 }
 
@@ -114,10 +110,10 @@ pub struct Confirmation {
 /// # Errors
 /// As [`largest_stable_courant`](super::largest_stable_courant).
 pub fn confirm(predictor: &Predictor, point: Point, tolerance: f64) -> Result<Confirmation, Refusal> {
-    let Predictor { model, scheme, theta, .. } = *predictor;
-    let predicted = predictor.at(point, tolerance);
+    let Predictor { model, scheme, .. } = *predictor;
+    let predicted = predictor.at(point, tolerance)?;
     let search = Search::for_prediction(tolerance, scheme, &predicted)?;
-    let trials = Trials::new(model, scheme, theta, point, &search)?;
+    let trials = Trials::new(model, scheme, point, &search)?;
     let found = trials.near(predicted.courant)?;
     let mut agrees = found.judge(&predicted, tolerance);
     for (low, high) in &predicted.islands {

@@ -6,8 +6,8 @@ use faer::{Mat, Par, Side};
 
 use super::SchemeLimit;
 use super::predictor_corrector::Definite;
-use crate::pencil::{Gap, Penalty, Tridiagonal};
-use crate::schemes::Scheme;
+use crate::pencil::{EndGap, Penalty, Tridiagonal};
+use crate::schemes::SchemeName as Scheme;
 use crate::spectrum::bisect;
 
 impl SchemeLimit<'_> {
@@ -18,12 +18,13 @@ impl SchemeLimit<'_> {
     /// has complex ones only; the largest grows by v dt^2 (dt^2 s' mu - 1)/(2 s'), to first order, with v the largest
     /// residue of T(l) = -1/phi(l), at the modes x_h that hold the gaps: v = |Z'(K - l_h M) x_h|^2. For large s' that is
     /// far below what a run can show.
-    pub fn growth(&self, penalties: &[Penalty], relative_courant: f64) -> Option<f64> {
+    pub fn growth_at(&self, penalty: &Penalty, relative_courant: f64) -> Option<f64> {
+        let terms = &*self.pencil.terms(penalty);
         if self.scheme() == Scheme::Park {
-            return self.park_growth(penalties, relative_courant);
+            return self.park_growth(terms, relative_courant);
         }
         let squared_step = 4.0 * relative_courant * relative_courant / self.contact_free.value;
-        let (mu, q) = (self.compliance(), self.contact_eigenvalue(penalties));
+        let (mu, q) = (self.compliance(), self.contact_eigenvalue(terms));
         let plasticity = 0.25 * q * squared_step;
         let definite = Definite { limit: self, q, mu };
         let k = if q == 0.0 { 0.0 } else { plasticity / mu / (1.0 - plasticity) };
@@ -81,21 +82,21 @@ fn real_growth(definite: &Definite, k: f64, squared_step: f64) -> Option<f64> {
 
 /// A matrix with the gaps as its last coordinates: the node of a wall, or in place of the right node of a pair
 /// q = u_left - u_right.
-fn in_gap_coordinates(matrix: &Tridiagonal, gaps: &[Gap]) -> Mat<f64> {
+fn in_gap_coordinates(matrix: &Tridiagonal, gaps: &[EndGap]) -> Mat<f64> {
     let n = matrix.diagonal.len();
     let at = |i: usize, j: usize| match i.abs_diff(j) {
         0 => matrix.diagonal[i],
         1 => matrix.off_diagonal[i.min(j)],
         _ => 0.0,
     };
-    let gap_column = |gap: &Gap| match *gap {
-        Gap::Wall { node } => vec![(node, 1.0)],
-        Gap::Pair { left } => vec![(left + 1, -1.0)],
+    let gap_column = |gap: &EndGap| match *gap {
+        EndGap::Wall { node } => vec![(node, 1.0)],
+        EndGap::Pair { left } => vec![(left + 1, -1.0)],
     };
     // Column c of the change of coordinates: the nodes that it moves.
     let last: Vec<Vec<(usize, f64)>> = gaps.iter().map(gap_column).collect();
     let is_last = |node: &usize| last.iter().any(|column| column[0].0 == *node);
-    let together = |node: usize| gaps.contains(&Gap::Pair { left: node });
+    let together = |node: usize| gaps.contains(&EndGap::Pair { left: node });
     let first = (0..n)
         .filter(|node| !is_last(node))
         .map(|node| if together(node) { vec![(node, 1.0), (node + 1, 1.0)] } else { vec![(node, 1.0)] });

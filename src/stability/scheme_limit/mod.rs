@@ -90,22 +90,20 @@ mod predictor_corrector;
 
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
-use crate::pencil::{Penalty, Pencil};
-use crate::schemes::Scheme;
-use crate::spectrum::{Enclosure, Engine, Flexibility, UNIT_ROUNDOFF, Uncertified, certify};
+use crate::pencil::{ChainPencil, Penalty, PenaltyMass, Pencil, Scale, Terms};
+use crate::schemes::SchemeName as Scheme;
+use crate::spectrum::{Enclosure, Engine, Flexibility, Step, StepLimit, UNIT_ROUNDOFF, Uncertified, certify};
 
-use super::{ClosedForm, Model};
 
 /// The limit of the predictor-corrector or the Park scheme with closed contacts, as l = 4/dt^2.
-#[derive(Debug)]
 pub struct SchemeLimit<'a> {
     scheme: Scheme,
     theta: f64,
-    pencil: &'a Pencil,
+    pencil: ChainPencil<'a>,
     flexibility: Flexibility<'a>,
     /// G = Z'M^-1 Z, diagonal and beside it, 1/kg.
     compliance: crate::pencil::Tridiagonal,
-    closed_form: ClosedForm,
+    spectrum: Box<dyn Engine + 'a>,
     contact_free: Enclosure,
     /// Of the Park scheme.
     moments: Option<moments::Moments>,
@@ -116,45 +114,44 @@ pub struct SchemeLimit<'a> {
 const COMPLIANCE_ERROR: f64 = 32.0 * UNIT_ROUNDOFF;
 
 impl<'a> SchemeLimit<'a> {
-    /// The limit of `scheme` (averaging `theta` for Park) for `model`, whose pencil is `pencil`.
+    /// The limit of `scheme` (averaging `theta` for Park) for `pencil`, whose spectrum the engine knows.
     ///
     /// # Errors
-    /// The central difference scheme (its limit is the spectrum's), theta outside [0, 1], the diagonalised mass penalty
-    /// of a pair; for the predictor-corrector contacts that are not alike, bodies of a single node and contact at every
-    /// node; a contact-free l_max that cannot be certified.
-    pub fn new(model: &Model, pencil: &'a Pencil, scheme: Scheme, theta: f64) -> Result<Self, Refusal> {
-        let closed_form = ClosedForm::new(model.scene(), model.mass());
-        let contact_free = closed_form.enclose(&vec![Penalty::default(); model.scales().len()], None);
-        let uncertified =
-            |e| Refusal::new(model.scene().name(), e, "scenes whose contact-free limit is certified");
-        let flexibility = Flexibility::new(pencil);
+    /// A pencil that is no chain; for the predictor-corrector contacts that are not alike, bodies of a single node and
+    /// contact at every node; a contact-free l_max that cannot be certified.
+    pub fn new(
+        pencil: &'a Pencil,
+        spectrum: Box<dyn Engine + 'a>,
+        scheme: Scheme,
+        theta: f64,
+    ) -> Result<Self, Refusal> {
+        let no_chain = || Refusal::new("limit", scheme.name(), "a row of bars");
+        let chain = pencil.chain().ok_or_else(no_chain)?;
+        let uncertified = |e| Refusal::new("limit", e, "scenes whose contact-free limit is certified");
+        let contact_free = spectrum.enclose(&Penalty::NONE, None).map_err(uncertified)?;
+        let flexibility = Flexibility::new(chain);
         let compliance = flexibility.of(0.0, 1.0).unwrap_or_default();
-        let contact_free = contact_free.map_err(uncertified)?;
         let moments =
-            (scheme == Scheme::Park).then(|| moments::Moments::new(pencil, 4.0 / contact_free.value));
-        let limit =
-            Self { moments, scheme, theta, pencil, flexibility, compliance, closed_form, contact_free };
-        limit.check(model)?;
+            (scheme == Scheme::Park).then(|| moments::Moments::new(chain, 4.0 / contact_free.value));
+        let limit = Self {
+            moments,
+            scheme,
+            theta,
+            pencil: chain,
+            flexibility,
+            compliance,
+            spectrum,
+            contact_free,
+        };
+        limit.check()?;
         Ok(limit)
     }
 
     /// Refuses what the limits are not derived for.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    fn check(&self, model: &Model) -> Result<(), Refusal> {
-        let refuse = |value: &str, allowed: &str| Err(Refusal::new("--limit", value, allowed));
-        if self.scheme == Scheme::CentralDifference {
-            return refuse(self.scheme.name(), "the engines of the spectrum for central differences");
-        }
-        if !(0.0..=1.0).contains(&self.theta) {
-            return Err(Refusal::new("--theta", self.theta, "a number in [0, 1]"));
-        }
-        let pair = |penalty: &Penalty| penalty.nodal_mass != 0.0;
-        let unit = model.penalties(StiffnessPenalty::new(1.0)?, Ratio::OPTIMAL);
-        if unit.iter().any(pair) {
-            let value = format!("{} with a diagonalised mass penalty between two bars", self.scheme.name());
-            return refuse(&value, "the consistent mass penalty, --penalty-mass consistent");
+    fn check(&self) -> Result<(), Refusal> {
+        let refuse = |value: &str, allowed: &str| Err(Refusal::new("limit", value, allowed));
+        if self.spectrum.condensed().is_none() {
+            return refuse(self.spectrum.name(), "an engine of bars");
         }
         if self.scheme == Scheme::PredictorCorrector {
             if self.flexibility.has_single_nodes_only() {
@@ -165,7 +162,7 @@ impl<'a> SchemeLimit<'a> {
                 let value = format!("{} with contact at every node", self.scheme.name());
                 return refuse(&value, "bodies with a node that no contact holds");
             }
-            if !self.contacts_are_alike(model) {
+            if !self.contacts_are_alike() {
                 let value = format!("{} with unlike contacts", self.scheme.name());
                 let allowed = "one contact, or contacts of equal stiffness, frequency and nodal mass; \
                     dt^2 s' mu <= 1 at each of them is safe, but not the limit";
@@ -176,14 +173,11 @@ impl<'a> SchemeLimit<'a> {
     }
 
     /// Whether C G is a multiple of the identity, to the rounding of its entries.
-    fn contacts_are_alike(&self, model: &Model) -> bool {
+    fn contacts_are_alike(&self) -> bool {
         let close = |a: f64, b: f64| (a - b).abs() <= 2.0 * COMPLIANCE_ERROR * a.abs().max(b.abs());
         let (own, beside) = (&self.compliance.diagonal, &self.compliance.off_diagonal);
         let uncoupled = beside.iter().all(|g| g.abs() <= UNIT_ROUNDOFF * own[0]);
-        let scales = model.scales().windows(2).all(|pair| {
-            close(pair[0].stiffness, pair[1].stiffness)
-                && close(pair[0].element_eigenvalue, pair[1].element_eigenvalue)
-        });
+        let scales = self.pencil.scales().windows(2).all(|pair| close(pair[0].stiffness, pair[1].stiffness));
         uncoupled && scales && own.windows(2).all(|pair| close(pair[0], pair[1]))
     }
 
@@ -198,8 +192,8 @@ impl<'a> SchemeLimit<'a> {
     }
 
     /// 4 s' mu, rad^2/s^2, the largest over the contacts: the l at which dt^2 s' mu = 1.
-    fn contact_eigenvalue(&self, penalties: &[Penalty]) -> f64 {
-        let own = self.compliance.diagonal.iter().zip(penalties);
+    fn contact_eigenvalue(&self, terms: &[Terms]) -> f64 {
+        let own = self.compliance.diagonal.iter().zip(terms);
         own.map(|(mu, p)| {
             if p.stiffness == 0.0 { 0.0 } else { 4.0 / (1.0 / (p.stiffness * mu) + p.mass / p.stiffness) }
         })
@@ -207,21 +201,21 @@ impl<'a> SchemeLimit<'a> {
     }
 
     /// Whether the closed contacts are proven to cost no step against the contact-free scene.
-    pub fn costs_nothing(&self, penalties: &[Penalty]) -> bool {
-        let q = self.contact_eigenvalue(penalties) * (1.0 + 2.0 * COMPLIANCE_ERROR);
+    pub fn costs_nothing(&self, penalty: &Penalty) -> bool {
+        let q = self.contact_eigenvalue(&self.pencil.terms(penalty)) * (1.0 + 2.0 * COMPLIANCE_ERROR);
         q == 0.0 || (self.scheme == Scheme::PredictorCorrector && q <= self.contact_free.lower)
     }
 
     /// The largest ratio that costs no step at beta_s, as the theory has it; `None` if none costs any.
     /// Predictor-corrector: 1/r = omega_e^2 (4/l_n - 1/(s mu)); Park: 0, each ratio costs.
-    pub fn expected_ratio(&self, model: &Model, beta_s: StiffnessPenalty) -> Option<f64> {
-        let (scale, mu) = (model.scales().first()?, self.compliance.diagonal[0]);
+    pub fn expected_ratio(&self, beta_s: StiffnessPenalty) -> Option<f64> {
+        let (scale, mu) = (self.pencil.scales().first()?, self.compliance.diagonal[0]);
         let stiffness = beta_s.get() * scale.stiffness;
         if self.scheme == Scheme::Park {
             return (stiffness > 0.0).then_some(0.0);
         }
         let left = 4.0 / self.contact_free.value - 1.0 / (stiffness * mu);
-        (left > 0.0).then(|| 1.0 / (scale.element_eigenvalue * left))
+        (left > 0.0).then(|| 1.0 / (self.pencil.pencil().reference() * left))
     }
 
     /// The ratio with which dt^2 s' mu = 1 at dt = `relative_courant` times the contact-free step: the contact of
@@ -233,15 +227,14 @@ impl<'a> SchemeLimit<'a> {
     /// dt^2 s' mu = 1: beta_s EA/h <= 1/(mu dt^2).
     pub fn plastic_ratio(
         &self,
-        model: &Model,
         beta_s: StiffnessPenalty,
         relative_courant: f64,
     ) -> Result<Ratio, Refusal> {
         if !(relative_courant > 0.0 && relative_courant <= 1.0) {
-            return Err(Refusal::new("--relative-courant", relative_courant, "a number in (0, 1]"));
+            return Err(Refusal::new("relative Courant number", relative_courant, "a number in (0, 1]"));
         }
-        let Some(scale) = model.scales().first().filter(|_| self.contacts_are_alike(model)) else {
-            return Err(Refusal::new("--ratio", "plastic", "a scene whose contacts are alike"));
+        let Some(scale) = self.pencil.scales().first().filter(|_| self.contacts_are_alike()) else {
+            return Err(Refusal::new("ratio", "plastic", "a scene whose contacts are alike"));
         };
         let mu = self.compliance.diagonal[0];
         let squared_step = 4.0 * relative_courant * relative_courant / self.contact_free.value;
@@ -249,9 +242,9 @@ impl<'a> SchemeLimit<'a> {
         if left <= COMPLIANCE_ERROR * squared_step {
             let least = 1.0 / (mu * squared_step * scale.stiffness);
             let value = format!("plastic with beta_s = {:e}", beta_s.get());
-            return Err(Refusal::new("--ratio", value, format!("beta_s above {least:e} at this step")));
+            return Err(Refusal::new("ratio", value, format!("beta_s above {least:e} at this step")));
         }
-        Ratio::new(1.0 / (scale.element_eigenvalue * left))
+        Ratio::new(1.0 / (self.pencil.pencil().reference() * left))
     }
 
     /// The points (beta_s, r) whose limit is l satisfy 1/(beta_s k_e) + mu/(r omega_e^2) = W: this W, m/N, for a scene
@@ -272,7 +265,19 @@ impl<'a> SchemeLimit<'a> {
     }
 }
 
-impl Engine for SchemeLimit<'_> {
+impl SchemeLimit<'_> {
+    fn of_terms(&self, terms: &[Terms]) -> Result<Enclosure, Uncertified> {
+        if self.contact_eigenvalue(terms) == 0.0 {
+            return certify(self.contact_free);
+        }
+        match self.scheme {
+            Scheme::Park => self.enclose_park(terms),
+            _ => self.enclose_predictor_corrector(terms),
+        }
+    }
+}
+
+impl StepLimit for SchemeLimit<'_> {
     fn name(&self) -> &'static str {
         match self.scheme {
             Scheme::Park => "multiplier-minus-one",
@@ -280,17 +285,29 @@ impl Engine for SchemeLimit<'_> {
         }
     }
 
-    fn estimate(&self, penalties: &[Penalty], start: Option<f64>) -> f64 {
-        self.enclose(penalties, start).map_or_else(|uncertified| uncertified.value, |l| l.value)
+    fn enclose(&self, penalty: &Penalty, _start: Option<f64>) -> Result<Step, Uncertified> {
+        let spread = |scale: &Scale| penalty.form == PenaltyMass::Diagonalised && scale.pair;
+        if self.pencil.scales().iter().any(spread) {
+            return Err(Uncertified { value: f64::NAN, width: f64::INFINITY });
+        }
+        penalty.with_terms(self.pencil.scales(), |terms| self.of_terms(terms)).map(Step::proven)
     }
 
-    fn enclose(&self, penalties: &[Penalty], _start: Option<f64>) -> Result<Enclosure, Uncertified> {
-        if self.contact_eigenvalue(penalties) == 0.0 {
-            return certify(self.contact_free);
-        }
+    fn growth(&self, penalty: &Penalty, step: &Step, excess: f64) -> Option<f64> {
+        let relative = excess * (self.contact_free.value / step.l.value).sqrt();
+        self.growth_at(penalty, relative).map(f64::ln_1p)
+    }
+
+    fn islands(&self, penalty: &Penalty) -> Vec<(f64, f64)> {
+        self.islands_of(&self.pencil.terms(penalty))
+    }
+
+    /// The Park scheme meets a stiff contact with the displacement that velocities have made in a step, dt/dt_c of what
+    /// they make in the modes of the bars.
+    fn share(&self, step: &Step) -> f64 {
         match self.scheme {
-            Scheme::Park => self.enclose_park(penalties),
-            _ => self.enclose_predictor_corrector(penalties),
+            Scheme::Park => (self.contact_free.value / step.l.value).sqrt().min(1.0),
+            Scheme::CentralDifference | Scheme::PredictorCorrector => 1.0,
         }
     }
 }

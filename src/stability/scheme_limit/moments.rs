@@ -6,7 +6,7 @@
 //! W = dt_c^2 sum_k s_k mu_k      mu_k = Z'M^-1 (dt_c^2 K M^-1)^k Z      (x <= 4)
 //! ```
 
-use crate::pencil::{Gap, Pencil, Tridiagonal};
+use crate::pencil::{ChainPencil, EndGap, Tridiagonal};
 use crate::spectrum::UNIT_ROUNDOFF;
 
 /// Moments that are kept. With 4 c_1 + 16 b <= c_0/4 two more terms gain a factor of 4 at least: 2^-60 is left.
@@ -18,10 +18,10 @@ pub(super) struct Moments(Vec<Tridiagonal>);
 
 impl Moments {
     /// The moments of the gaps of `pencil`, with dt_c^2 = `squared_step`.
-    pub(super) fn new(pencil: &Pencil, squared_step: f64) -> Self {
+    pub(super) fn new(pencil: ChainPencil<'_>, squared_step: f64) -> Self {
         let (k, m) = (pencil.stiffness(), pencil.mass());
         // The bars are uncoupled, so the two nodes of a pair may carry the same sign, as in the flexibility.
-        let column = |gap: &Gap| {
+        let column = |gap: &EndGap| {
             let mut z = vec![0.0; pencil.size()];
             gap.nodes().for_each(|node| z[node] = 1.0);
             solve(m, &mut z);

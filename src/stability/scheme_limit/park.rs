@@ -11,7 +11,7 @@
 //! steps both poles are far and their terms cancel; there the power series takes over.
 
 use super::{COMPLIANCE_ERROR, SchemeLimit};
-use crate::pencil::{Penalty, Tridiagonal};
+use crate::pencil::{Terms, Tridiagonal};
 use crate::spectrum::{Enclosure, UNIT_ROUNDOFF, Uncertified, WIDEST_ENCLOSURE, certify, find_sign_change};
 
 /// The partial fractions of the characteristic function.
@@ -73,16 +73,16 @@ enum Tilt {
 }
 
 impl SchemeLimit<'_> {
-    pub(super) fn enclose_park(&self, penalties: &[Penalty]) -> Result<Enclosure, Uncertified> {
-        let alpha = self.park_alpha(penalties);
+    pub(super) fn enclose_park(&self, terms: &[Terms]) -> Result<Enclosure, Uncertified> {
+        let alpha = self.park_alpha(terms);
         let free = self.contact_free;
         // Two signs with the error of W on the right side prove the value; the interval widens until they do.
         let mut spread = 4.0 * f64::EPSILON;
         while spread < WIDEST_ENCLOSURE {
             let (low, high) = (alpha * (1.0 - spread), (alpha * (1.0 + spread)).min(1.0));
-            let stable = self.margin(penalties, low, 0.0, Tilt::Pessimistic) > 0.0;
+            let stable = self.margin(terms, low, 0.0, Tilt::Pessimistic) > 0.0;
             let (l_low, l_high) = (free.value / (high * high), free.value / (low * low));
-            if stable && (high == 1.0 || self.margin(penalties, high, 0.0, Tilt::Optimistic) < 0.0) {
+            if stable && (high == 1.0 || self.margin(terms, high, 0.0, Tilt::Optimistic) < 0.0) {
                 let rounding = 4.0 * f64::EPSILON;
                 // At dt_c the contact-free scheme itself ends, at the exact l_n.
                 let lower = if high == 1.0 { free.lower } else { l_low * (1.0 - rounding) };
@@ -95,8 +95,8 @@ impl SchemeLimit<'_> {
     }
 
     /// The alpha in (0, 1] at which the margin changes sign.
-    fn park_alpha(&self, penalties: &[Penalty]) -> f64 {
-        let deficit = |alpha: f64| -self.margin(penalties, alpha, 0.0, Tilt::None);
+    fn park_alpha(&self, terms: &[Terms]) -> f64 {
+        let deficit = |alpha: f64| -self.margin(terms, alpha, 0.0, Tilt::None);
         let mut high = (1.0, deficit(1.0));
         if high.1 < 0.0 {
             return 1.0;
@@ -116,16 +116,16 @@ impl SchemeLimit<'_> {
 
     /// |z| - 1 > 0 of the real multiplier beyond -1 at dt = `alpha` dt_c: the growth in a step just above the limit.
     /// 0 below the limit. Beyond dt_c that of the top mode, if no contact moves it.
-    pub(super) fn park_growth(&self, penalties: &[Penalty], alpha: f64) -> Option<f64> {
+    pub(super) fn park_growth(&self, terms: &[Terms], alpha: f64) -> Option<f64> {
         let margin = |growth: f64| {
             if alpha > 1.0 {
                 self.top_margin(alpha, growth)
             } else {
-                self.margin(penalties, alpha, growth, Tilt::None)
+                self.margin(terms, alpha, growth, Tilt::None)
             }
         };
-        let touched = self.contact_eigenvalue(penalties) > 0.0;
-        if alpha > 1.0 && touched && self.park_alpha(penalties) < 1.0 {
+        let touched = self.contact_eigenvalue(terms) > 0.0;
+        if alpha > 1.0 && touched && self.park_alpha(terms) < 1.0 {
             return None;
         }
         if margin(0.0) >= 0.0 {
@@ -154,7 +154,7 @@ impl SchemeLimit<'_> {
 
     /// p F(above) and v F(below), m/N; `None` if the upper pole is not above the spectrum.
     fn sides(&self, fractions: Fractions, tilt: Tilt) -> Option<(Tridiagonal, Tridiagonal)> {
-        let (free, bound) = (self.contact_free, self.pencil.element_bound());
+        let (free, bound) = (self.contact_free, self.pencil.pencil().bounds().stiffness);
         let sign = match tilt {
             Tilt::None => 0.0,
             Tilt::Pessimistic => 1.0,
@@ -194,7 +194,7 @@ impl SchemeLimit<'_> {
 
     /// The last pivot of C^-1 - W over its own size, in [-1, 1]: positive while the multiplier -1 - `growth` lies beyond
     /// the spectrum; -1 if an earlier pivot is not positive. C^-1 = S^-1 + diag(m/s) G.
-    fn margin(&self, penalties: &[Penalty], alpha: f64, growth: f64, tilt: Tilt) -> f64 {
+    fn margin(&self, terms: &[Terms], alpha: f64, growth: f64, tilt: Tilt) -> f64 {
         let Some((gained, lost)) = self.sides(Fractions::new(self.theta, alpha, growth), tilt) else {
             return -1.0;
         };
@@ -206,17 +206,17 @@ impl SchemeLimit<'_> {
         } * (COMPLIANCE_ERROR + 20.0 * UNIT_ROUNDOFF);
         let (own, beside) = (&self.compliance.diagonal, &self.compliance.off_diagonal);
         let (mut carried, mut margin) = (0.0, -1.0);
-        for (j, p) in penalties.iter().enumerate() {
+        for (j, p) in terms.iter().enumerate() {
             let inverse = (1.0 / p.stiffness + (p.mass / p.stiffness) * own[j]) * (1.0 - slack);
             let w = gained.diagonal[j] * (1.0 + slack) - lost.diagonal[j] * (1.0 - slack);
             let pivot = inverse - w - carried;
             margin = pivot / (inverse + w + carried);
-            let Some(next) = penalties.get(j + 1) else { break };
+            let Some(next) = terms.get(j + 1) else { break };
             if pivot.is_nan() || pivot <= 0.0 {
                 return -1.0;
             }
             let w = gained.off_diagonal[j] - lost.off_diagonal[j];
-            let off = |p: &Penalty| (p.mass / p.stiffness) * beside[j] - w;
+            let off = |p: &Terms| (p.mass / p.stiffness) * beside[j] - w;
             carried = off(p) * (off(next) / pivot);
         }
         margin

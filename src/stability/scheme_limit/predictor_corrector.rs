@@ -1,16 +1,16 @@
 //! l = 4/dt^2 of the predictor-corrector: 4 s' mu, or below the contact-free l_max the first loss of definiteness.
 
 use super::{COMPLIANCE_ERROR, SchemeLimit};
-use crate::pencil::Penalty;
-use crate::schemes::Scheme;
-use crate::spectrum::{Enclosure, Engine, UNIT_ROUNDOFF, Uncertified, WIDEST_ENCLOSURE, certify};
+use crate::pencil::Terms;
+use crate::schemes::SchemeName as Scheme;
+use crate::spectrum::{Enclosure, UNIT_ROUNDOFF, Uncertified, WIDEST_ENCLOSURE, certify};
 
 impl SchemeLimit<'_> {
     pub(super) fn enclose_predictor_corrector(
         &self,
-        penalties: &[Penalty],
+        terms: &[Terms],
     ) -> Result<Enclosure, Uncertified> {
-        let q = self.contact_eigenvalue(penalties);
+        let q = self.contact_eigenvalue(terms);
         // 4 s' mu takes 5 roundings beside those of mu.
         let kappa = COMPLIANCE_ERROR + 6.0 * UNIT_ROUNDOFF;
         let explicit = Enclosure { value: q, lower: q * (1.0 - kappa), upper: q * (1.0 + kappa) };
@@ -37,22 +37,21 @@ impl SchemeLimit<'_> {
 const RESOLUTION: f64 = 1e-9;
 
 impl SchemeLimit<'_> {
-    /// Where the scheme is stable again above its limit: intervals of dt over the contact-free step, ascending, each proven
-    /// from end to end and as wide as it can be to 1e-9. Empty where there is none, and for the Park scheme.
+    /// Where the scheme is stable again above its limit: intervals of l = 4/dt^2, each from its high to its low end, with
+    /// ascending dt, each proven from end to end and as wide as it can be to 1e-9. Empty where there is none, and for the Park scheme.
     ///
     /// They lie between the contact-free step and dt^2 s' mu = 1, where the contact of growing effective stiffness
     /// k = dt^2 s'/(1 - dt^2 s' mu) holds the top mode. When the contact opens they are no more.
-    pub fn islands(&self, penalties: &[Penalty]) -> Vec<(f64, f64)> {
-        let q = self.contact_eigenvalue(penalties);
-        let Ok(limit) = self.enclose(penalties, None) else { return Vec::new() };
+    pub(super) fn islands_of(&self, terms: &[Terms]) -> Vec<(f64, f64)> {
+        let q = self.contact_eigenvalue(terms);
+        let Ok(limit) = self.of_terms(terms) else { return Vec::new() };
         if self.scheme() == Scheme::Park || q == 0.0 || limit.lower >= self.contact_free.lower {
             return Vec::new();
         }
         let definite = Definite { limit: self, q, mu: self.compliance() };
         let mut found = Vec::new();
         definite.stable_within(q * (1.0 + RESOLUTION), limit.lower, &mut found);
-        let relative = |l: f64| (self.contact_free.value / l).sqrt();
-        found.iter().map(|(low, high)| (relative(*high), relative(*low))).collect()
+        found.iter().map(|(low, high)| (*high, *low)).collect()
     }
 }
 
@@ -66,9 +65,9 @@ pub(super) struct Definite<'a> {
 impl Definite<'_> {
     /// Whether l M - K + t Z Z' > 0.
     pub fn holds(&self, l: f64, t: f64) -> bool {
-        let contact = Penalty { stiffness: -t, ..Penalty::default() };
+        let contact = Terms { stiffness: -t, ..Terms::default() };
         let contacts = vec![contact; self.limit.compliance.diagonal.len()];
-        self.limit.closed_form.is_above_spectrum(&contacts, l)
+        self.limit.spectrum.condensed().is_some_and(|bars| bars.is_above(&contacts, l))
     }
 
     /// t(l), N/m.
@@ -118,7 +117,7 @@ impl Definite<'_> {
 
     /// Relative error of l that stands for the rounding of T(l) in the closed form.
     fn error(&self, l: f64) -> f64 {
-        28.0 * UNIT_ROUNDOFF * (1.0 + self.limit.pencil.element_bound() / l)
+        28.0 * UNIT_ROUNDOFF * (1.0 + self.limit.pencil.pencil().bounds().stiffness / l)
     }
 
     /// Relative error of t(l): that of mu and a few roundings, enlarged by the difference l - q.

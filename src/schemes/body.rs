@@ -1,0 +1,110 @@
+//! What a scheme is started with, and what every scheme makes of it.
+
+use super::{ContactRule, Contacts, Energy, Operator, State};
+use crate::error::Refusal;
+use crate::pencil::{Penalty, Pencil};
+
+/// What is to be stepped in time.
+#[derive(Debug, Clone)]
+pub struct System<'a> {
+    /// K, M and the contacts.
+    pub pencil: &'a Pencil,
+    /// The penalty of closed contacts.
+    pub penalty: Penalty,
+    /// Nodal forces f, N; empty for none.
+    pub load: Vec<f64>,
+    /// dt, s.
+    pub time_step: f64,
+    /// The critical step 2/omega_max without contact, s, which a scheme may refer to.
+    pub critical_step: f64,
+    /// Which contacts are closed.
+    pub rule: ContactRule,
+    /// Whether losses that only a sum over all steps gives are summed up; the Park scheme has one.
+    pub account: bool,
+}
+
+/// A system made ready to be stepped.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// K, M and the contacts.
+    pub pencil: Pencil,
+    /// The columns M^-1 z and the reactions of the contacts.
+    pub contacts: Contacts,
+    /// u -> scale M^-1 (f - K u).
+    pub operator: Operator,
+    /// f, N; empty for none.
+    pub load: Vec<f64>,
+    /// dt, s.
+    pub dt: f64,
+    /// Which contacts are closed.
+    pub rule: ContactRule,
+}
+
+impl Body {
+    /// The body of `system`, with an operator of this scale: dt for velocity increments, 1 for accelerations.
+    ///
+    /// # Errors
+    /// Refuses a step that is not positive and finite, and what [`Contacts::new`] and [`Operator::new`] refuse.
+    pub fn new(system: &System<'_>, scale: f64) -> Result<Self, Refusal> {
+        let System { pencil, penalty, load, time_step, .. } = system;
+        positive("time step", *time_step)?;
+        Ok(Self {
+            contacts: Contacts::new(pencil, penalty)?,
+            operator: Operator::new(pencil, load, scale)?,
+            pencil: (*pencil).clone(),
+            load: load.clone(),
+            dt: *time_step,
+            rule: system.rule,
+        })
+    }
+
+    /// The energies of `state` that need no scheme, with `velocity` at the time of u: penalty and loss are 0.
+    pub fn energy(&self, state: &State, velocity: &[f64]) -> Energy {
+        let u = &state.displacement;
+        Energy {
+            kinetic: 0.5 * self.pencil.mass().quadratic(velocity, velocity),
+            strain: 0.5 * self.pencil.stiffness().strain(u, u),
+            penalty: 0.0,
+            contact_work: state.contact_work,
+            body_work: self.work(u),
+            loss: 0.0,
+        }
+    }
+
+    /// f'x.
+    pub(super) fn work(&self, x: &[f64]) -> f64 {
+        self.load.iter().zip(x).map(|(f, x)| f * x).sum()
+    }
+
+    /// m - dt^2 s of each contact, kg, and whether 1/2 < q <= 1, q = dt^2 s mu/(1 + m mu): sums of gap and gap rate would
+    /// then cancel.
+    pub(super) fn relief(&self) -> (Vec<f64>, Vec<bool>) {
+        let relief = |(s, m): &(f64, f64)| difference(*m, self.dt, *s);
+        let relief: Vec<f64> = self.contacts.terms.iter().map(relief).collect();
+        let delicate = |(j, (_, m)): (usize, &(f64, f64))| {
+            let mu = self.contacts.compliance(j);
+            (0.0..0.5).contains(&((1.0 + mu * relief[j]) / (1.0 + mu * m)))
+        };
+        let delicate = self.contacts.terms.iter().enumerate().map(delicate).collect();
+        (relief, delicate)
+    }
+}
+
+/// Refuses a time that is not positive and finite.
+pub(super) fn positive(place: &str, value: f64) -> Result<(), Refusal> {
+    let held = value > 0.0 && value.is_finite();
+    held.then_some(()).ok_or_else(|| Refusal::new(place, value, "a positive finite number (s)"))
+}
+
+/// m - dt^2 s, formed with twice the digits of f64. m, dt and s carry a rounding each, dt^2 two, so that a result
+/// below 4 units in the last place of m is not known from zero, the value of C = 1/2 with r = 1: it is taken as zero.
+fn difference(m: f64, dt: f64, s: f64) -> f64 {
+    let product = |a: f64, b: f64| {
+        let high = a * b;
+        (high, a.mul_add(b, -high))
+    };
+    let (square, square_low) = product(dt, dt);
+    let (high, low) = product(square, s);
+    let exact = (m - high) - (low + square_low * s);
+    if exact.abs() <= 4.0 * f64::EPSILON * m { 0.0 } else { exact }
+}

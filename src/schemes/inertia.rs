@@ -1,0 +1,51 @@
+//! M^-1 for every form of M, factored once.
+
+use faer::Side;
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::Llt;
+use faer::sparse::{SparseColMat, Triplet};
+
+use super::twisted::Twisted;
+use crate::error::Refusal;
+use crate::pencil::Matrix;
+
+/// r -> scale M^-1 r.
+#[derive(Debug, Clone)]
+pub(super) enum Inertia {
+    /// scale/M_ii.
+    Lumped(Vec<f64>),
+    /// Of a row of bars.
+    Bars(Twisted),
+    /// Of any other mesh.
+    Factored { factor: Llt<usize, f64>, scale: f64 },
+}
+
+impl Inertia {
+    pub(super) fn new(mass: &Matrix, scale: f64) -> Result<Self, Refusal> {
+        let n = mass.size();
+        if let Matrix::Chain(mass) = mass {
+            return Ok(Self::Bars(Twisted::new(mass, scale)));
+        }
+        if mass.is_diagonal() {
+            return Ok(Self::Lumped((0..n).map(|i| scale / mass.diagonal(i)).collect()));
+        }
+        let lower = |i: usize| mass.row(i).filter(move |(j, _)| *j <= i).map(move |(j, a)| Triplet::new(i, j, a));
+        let triplets: Vec<_> = (0..n).flat_map(lower).collect();
+        let refused = |why: String| Refusal::new("mass", why, "a positive definite matrix that can be factored");
+        let mass = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets);
+        let factor = mass.map_err(|e| refused(format!("{e:?}")))?.sp_cholesky(Side::Lower);
+        Ok(Self::Factored { factor: factor.map_err(|e| refused(format!("{e:?}")))?, scale })
+    }
+
+    /// r <- scale M^-1 r.
+    pub(super) fn solve(&self, r: &mut [f64]) {
+        match self {
+            Self::Lumped(inverse) => r.iter_mut().zip(inverse).for_each(|(r, inverse)| *r *= inverse),
+            Self::Bars(mass) => mass.solve(r),
+            Self::Factored { factor, scale } => {
+                factor.solve_in_place(faer::ColMut::from_slice_mut(r).as_mat_mut());
+                r.iter_mut().for_each(|r| *r *= scale);
+            }
+        }
+    }
+}

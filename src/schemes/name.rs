@@ -1,0 +1,65 @@
+//! The schemes of this crate by the names that users type.
+
+use std::str::FromStr;
+use std::sync::Arc;
+
+use super::{CentralDifference, Facts, Park, PredictorCorrector, Scheme};
+use crate::error::Refusal;
+
+/// A scheme of this crate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SchemeName {
+    /// [`CentralDifference`].
+    CentralDifference,
+    /// [`PredictorCorrector`].
+    PredictorCorrector,
+    /// [`Park`].
+    Park,
+}
+
+impl SchemeName {
+    /// Every scheme.
+    pub const ALL: [Self; 3] = [Self::CentralDifference, Self::PredictorCorrector, Self::Park];
+
+    /// The facts of this scheme.
+    pub fn facts(self) -> Facts {
+        Arc::<dyn Scheme>::from(self).facts()
+    }
+
+    /// The name in records.
+    pub fn name(self) -> &'static str {
+        self.facts().name
+    }
+
+    /// The scheme; `theta` is the averaging of [`Park`], which the others do not have.
+    ///
+    /// # Errors
+    /// As [`Park::new`].
+    pub fn with_theta(self, theta: f64) -> Result<Arc<dyn Scheme>, Refusal> {
+        Ok(match self {
+            Self::CentralDifference => Arc::new(CentralDifference),
+            Self::PredictorCorrector => Arc::new(PredictorCorrector),
+            Self::Park => Arc::new(Park::new(theta)?),
+        })
+    }
+}
+
+impl From<SchemeName> for Arc<dyn Scheme> {
+    fn from(name: SchemeName) -> Self {
+        match name {
+            SchemeName::CentralDifference => Arc::new(CentralDifference),
+            SchemeName::PredictorCorrector => Arc::new(PredictorCorrector),
+            SchemeName::Park => Arc::new(Park::default()),
+        }
+    }
+}
+
+impl FromStr for SchemeName {
+    type Err = Refusal;
+
+    fn from_str(text: &str) -> Result<Self, Refusal> {
+        let names = || Self::ALL.map(Self::name).join(", ");
+        let found = Self::ALL.into_iter().find(|scheme| scheme.name() == text);
+        found.ok_or_else(|| Refusal::new("scheme", format!("{text:?}"), names()))
+    }
+}

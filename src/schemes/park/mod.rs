@@ -1,0 +1,72 @@
+//! The stabilised scheme of Park with pullback and averaging.
+
+mod motion;
+
+use motion::Steps;
+
+use super::{ContactSearch, Facts, Motion, Onset, Scheme, SchemeName, System};
+use crate::error::Refusal;
+use crate::pencil::Pencil;
+use crate::spectrum::{Engine, StepLimit};
+use crate::stability::SchemeLimit;
+
+/// The stabilised Park scheme (paper, 4.5). Its pullback extrapolates to the critical step of the contact-free system.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Park {
+    theta: f64,
+}
+
+impl Park {
+    /// The scheme with theta, the weight of the pullback.
+    ///
+    /// # Errors
+    /// Refuses a theta outside [0, 1].
+    pub fn new(theta: f64) -> Result<Self, Refusal> {
+        if (0.0..=1.0).contains(&theta) {
+            Ok(Self { theta })
+        } else {
+            Err(Refusal::new("theta", theta, "a number in [0, 1]"))
+        }
+    }
+
+    /// theta, dimensionless.
+    pub fn theta(self) -> f64 {
+        self.theta
+    }
+}
+
+impl Default for Park {
+    /// theta = 1/2, as in the paper.
+    fn default() -> Self {
+        Self { theta: 0.5 }
+    }
+}
+
+impl Scheme for Park {
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "park",
+            title: "Park",
+            solves: 2,
+            order: 2,
+            search: ContactSearch::Predictor,
+            onset: Onset::Linear,
+            gains_nothing: false,
+            reaction: "s g_pred/(1 + m mu)",
+            closed_limit: "a zero of the scheme's characteristic function",
+            source: "Park, Lim, Huh 2012; Cho, Park, Huh 2013; Kolman et al. 2021, 4.5",
+        }
+    }
+
+    fn start(&self, system: System<'_>, u: Vec<f64>, v: Vec<f64>) -> Result<Box<dyn Motion>, Refusal> {
+        Ok(Box::new(Steps::start(*self, &system, u, v)?))
+    }
+
+    fn limit<'a>(
+        &self,
+        pencil: &'a Pencil,
+        spectrum: Box<dyn Engine + 'a>,
+    ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
+        Ok(Box::new(SchemeLimit::new(pencil, spectrum, SchemeName::Park, self.theta)?))
+    }
+}

@@ -1,0 +1,105 @@
+//! The stabilised predictor-corrector scheme of the paper (4.4): contact is searched on the predicted displacement,
+//! and the mass penalty divides the corrector only.
+//!
+//! ```text
+//! a_pred = M^-1 (f - K u)    g_pred = Z'(u + dt v + dt^2 a_pred) + g0    (I + m mu) lambda = s g_pred
+//! v += dt (a_pred - M^-1 Z lambda)        u += dt v
+//! ```
+//!
+//! Energy: shadow = -dt/2 v'(K u - f), balance_work = sum lambda (g_{n+1} - g_{n-1})/2, and closed contacts store
+//! lambda g/2: the mass penalty is no inertia but a reduced stiffness.
+
+use crate::error::Refusal;
+use crate::schemes::{Body, Energy, Motion, State, System};
+
+/// A motion by the predictor-corrector.
+#[derive(Debug)]
+pub(super) struct Steps {
+    body: Body,
+    state: State,
+    /// dt a, m/s.
+    kick: Vec<f64>,
+    /// m - dt^2 s, kg, and where sums of gap and gap rate would cancel.
+    relief: Vec<f64>,
+    delicate: Vec<bool>,
+    /// g at the start of the step, and the predicted Z'v at its end.
+    before: Vec<f64>,
+    predicted_velocity: Vec<f64>,
+}
+
+impl Steps {
+    /// With the reaction of the contacts that are closed at the start, as the scheme would have found it.
+    pub(super) fn start(system: &System<'_>, u: Vec<f64>, v: Vec<f64>) -> Result<Self, Refusal> {
+        let body = Body::new(system, system.time_step)?;
+        let (n, k) = (u.len(), body.contacts.len());
+        let (relief, delicate) = body.relief();
+        let state = State::new(&body.contacts, u, v, body.dt);
+        let [before, predicted_velocity] = [vec![0.0; k], vec![0.0; k]];
+        let kick = vec![0.0; n];
+        let mut steps = Self { body, state, kick, relief, delicate, before, predicted_velocity };
+        steps.react();
+        steps.state.switches = 0;
+        Ok(steps)
+    }
+
+    fn react(&mut self) {
+        let Self { body: Body { contacts, rule, .. }, state, .. } = self;
+        state.search(*rule);
+        contacts.reactions(&state.closed, &state.gap, None, &mut state.force);
+    }
+
+    /// g and Z'v at the end of the step. With q = dt^2 s mu/(1 + m mu) a closed contact keeps (1 - q) g_pred, which
+    /// for q near 1 must not be formed as a difference:
+    /// s g = lambda + (m - dt^2 s) mu lambda (several contacts: component by component).
+    fn correct_gaps(&mut self) {
+        let Self { body: Body { contacts, dt, .. }, state, before, predicted_velocity, .. } = self;
+        for j in 0..contacts.len() {
+            let relief = contacts.mu_times(j, &state.force);
+            let plain_velocity = predicted_velocity[j] - *dt * relief;
+            if state.closed[j] && self.delicate[j] {
+                state.gap[j] = (state.force[j] + self.relief[j] * relief) / contacts.terms[j].0;
+                state.gap_velocity[j] = (state.gap[j] - before[j]) / *dt;
+            } else {
+                state.gap[j] = before[j] + *dt * plain_velocity;
+                state.gap_velocity[j] = plain_velocity;
+            }
+            let change = state.gap[j] - before[j];
+            state.contact_work += state.force[j] * change;
+            state.balance_work += state.force[j] * 0.5 * (change + state.last_gap_change[j]);
+            state.last_gap_change[j] = change;
+        }
+    }
+}
+
+impl Motion for Steps {
+    fn step(&mut self) {
+        let Self { body: Body { contacts, operator, dt, .. }, state, kick, .. } = self;
+        let dt = *dt;
+        operator.apply(&state.displacement, kick);
+        for j in 0..contacts.len() {
+            self.before[j] = state.gap[j];
+            self.predicted_velocity[j] = state.gap_velocity[j] + contacts.across(j, kick);
+            state.gap[j] += dt * self.predicted_velocity[j];
+        }
+        self.react();
+        let Self { body: Body { contacts, operator, .. }, state, kick, .. } = self;
+        contacts.add_columns(-dt, &state.force, kick);
+        operator.drift(dt, kick, &mut state.velocity, &mut state.displacement);
+        self.correct_gaps();
+        self.state.settle(&self.body.contacts);
+        self.state.steps += 1;
+    }
+
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn energy(&mut self) -> Energy {
+        let Self { body, state, .. } = self;
+        let energy = body.energy(state, &state.velocity);
+        let pull = body.pencil.stiffness().strain(&state.velocity, &state.displacement);
+        let shadow = -0.5 * body.dt * (pull - body.work(&state.velocity));
+        let penalty = state.reduced_penalty_energy();
+        Energy { penalty, loss: state.balance_work - penalty + shadow, ..energy }
+    }
+}
