@@ -12,10 +12,10 @@ use bipenalty::cli::{
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::impact::{Ending, Exact, Recording, Run};
-use bipenalty::penalty::Ratio;
+use bipenalty::penalty::{Ratio, StiffnessPenalty};
 use bipenalty::plot::impact_charts::{self, Quantity};
 use bipenalty::record::{HistoryRow, ImpactRow};
-use bipenalty::schemes::Scheme;
+use bipenalty::schemes::SchemeName;
 use bipenalty::stability::{Axis, Grid, Model, check_has_contact};
 use clap::Parser;
 
@@ -39,7 +39,7 @@ struct Options {
         value_delimiter = ',',
         default_value = "central-difference,predictor-corrector,park"
     )]
-    scheme: Vec<Scheme>,
+    scheme: Vec<SchemeName>,
     /// dt/dt_cr of the contact-free scene
     #[arg(long, value_name = "C", allow_negative_numbers = true, default_value_t = 0.5)]
     relative_courant: f64,
@@ -120,7 +120,9 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
             let mut runs = Vec::new();
             for beta_s in &grid.stiffness_penalties {
                 for scheme in &options.scheme {
-                    let run = Run::new(model.clone(), *scheme, *beta_s, *ratio)?;
+                    let scheme =
+                        scheme.with_theta(options.theta).map_err(|refusal| by_option(refusal, options))?;
+                    let run = Run::new(model.clone(), scheme, *beta_s, *ratio)?;
                     let run = configure(run, options).map_err(|refusal| by_option(refusal, options))?;
                     runs.push(PlannedRun { run, beta_s: *beta_s, ratio: *ratio });
                 }
@@ -134,7 +136,7 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
 
 /// The run with the steps, the time and the recording that were asked for.
 fn configure(run: Run, options: &Options) -> Result<Run, Refusal> {
-    let run = run.with_theta(options.theta)?.with_relative_courant(options.relative_courant)?;
+    let run = run.with_relative_courant(options.relative_courant)?;
     let run = match options.duration {
         Some(duration) => run.with_duration(duration)?,
         None => run,
@@ -157,11 +159,10 @@ fn by_option(refusal: Refusal, options: &Options) -> Refusal {
 
 /// Refuses the diagonalised mass penalty of a pair: the schemes know rank-one contact terms.
 fn check_form(model: &Model, grid: &Grid) -> Result<(), Refusal> {
-    let largest = grid.stiffness_penalties.iter().copied().reduce(|a, b| if b > a { b } else { a });
-    let nodal = |ratio: &Ratio| {
-        largest.is_some_and(|beta_s| model.penalties(beta_s, *ratio).iter().any(|p| p.nodal_mass > 0.0))
-    };
-    if grid.ratios.iter().any(nodal) {
+    let mass = |beta_s: &StiffnessPenalty, ratio: &Ratio| beta_s.get() / ratio.get() > 0.0;
+    let some =
+        grid.ratios.iter().any(|ratio| grid.stiffness_penalties.iter().any(|beta_s| mass(beta_s, ratio)));
+    if some && model.spreads_mass() {
         return Err(Refusal::new("--penalty-mass", "diagonalised between two bars", "consistent"));
     }
     Ok(())
@@ -216,7 +217,7 @@ fn draw(planned: &PlannedRun, runs: &[&FinishedRun], contact: usize, output: &Ou
     let ratio = if ratio == 1.0 { String::new() } else { format!("-r{ratio}") };
     let records: Vec<_> = runs.iter().map(|run| run.record(contact)).collect();
     let summary: Vec<ImpactRow> = runs.iter().map(|run| run.row()).collect();
-    let number = (run.penalties().len() > 1).then_some(contact + 1);
+    let number = (run.model().scales().len() > 1).then_some(contact + 1);
     let mut files = 0;
     for (name, quantity) in Quantity::ALL.into_iter().filter(|(_, q)| contact == 0 || q.is_of_contact()) {
         let exact = match quantity {

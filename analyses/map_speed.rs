@@ -12,8 +12,9 @@ use bipenalty::cli::{Verdict, arguments, finish, restarted_with_one_blas_thread}
 use bipenalty::error::Result;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
+use bipenalty::pencil::Penalty;
 use bipenalty::scene::{Bar, End, Scene};
-use bipenalty::spectrum::Engine;
+use bipenalty::spectrum::{Engine, Spectrum};
 use bipenalty::stability::{Axis, EngineName, Grid, Model, map};
 use clap::Parser;
 
@@ -121,20 +122,18 @@ fn over(grid: &Grid, mut point: impl FnMut(StiffnessPenalty, Ratio) -> f64) -> f
     sum
 }
 
-/// Seconds a point on one core, without (`false`) and with certificates.
-fn per_point(model: &Model, engine: &dyn Engine, grid: &Grid, certified: bool) -> f64 {
-    let mut penalties = Vec::new();
+/// Seconds a point on one core for the values that `value` finds.
+fn per_point(model: &Model, grid: &Grid, value: impl Fn(&Penalty) -> f64) -> f64 {
     let mut pass = || {
-        let sum = over(grid, |beta_s, ratio| {
-            model.set_penalties(&mut penalties, beta_s, ratio);
-            match certified {
-                false => engine.estimate(&penalties, None),
-                true => engine.enclose(&penalties, None).map_or(f64::NAN, |l| l.value),
-            }
-        });
+        let sum = over(grid, |beta_s, ratio| value(&model.penalty(beta_s, ratio)));
         std::hint::black_box(sum);
     };
     median(&mut pass) / grid.len() as f64
+}
+
+/// l_max with its certificate.
+fn certified(engine: &dyn Engine, penalty: &Penalty) -> f64 {
+    engine.enclose(penalty, None).map_or(f64::NAN, |l| l.value)
 }
 
 /// The closed form on the map, one core; returns the slowest time without certificates.
@@ -142,11 +141,11 @@ fn closed_form_points(grid: &Grid, table: &mut Table) -> Result<f64> {
     let mut slowest: f64 = 0.0;
     for mass in MASSES {
         let model = bar_on_wall(100, mass)?;
-        let engine = model.engine(EngineName::ClosedForm, None);
+        let engine = model.closed_form();
         let problem = format!("map, 100 elements, {}", mass.name());
-        let bare = per_point(&model, engine.as_ref(), grid, false);
+        let bare = per_point(&model, grid, |penalty| engine.unproven(penalty));
         slowest = slowest.max(table.add("closed-form", &problem, bare));
-        let enclosed = per_point(&model, engine.as_ref(), grid, true);
+        let enclosed = per_point(&model, grid, |penalty| certified(&engine, penalty));
         table.add("closed-form certified", &problem, enclosed);
     }
     Ok(slowest)
@@ -157,10 +156,11 @@ fn sizes(table: &mut Table) -> Result<()> {
     let grid = Grid::new(&Axis::log(1e-3, 1e12, 200)?, &Axis::log(0.1, 1e3, 200)?)?;
     for elements in [10, 1000, 1_000_000] {
         let model = bar_on_wall(elements, MassMatrix::CONSISTENT)?;
-        let engine = model.engine(EngineName::ClosedForm, None);
+        let engine = model.closed_form();
         let problem = format!("map, {elements} elements, consistent");
-        table.add("closed-form", &problem, per_point(&model, engine.as_ref(), &grid, false));
-        table.add("closed-form certified", &problem, per_point(&model, engine.as_ref(), &grid, true));
+        table.add("closed-form", &problem, per_point(&model, &grid, |penalty| engine.unproven(penalty)));
+        let enclosed = per_point(&model, &grid, |penalty| certified(&engine, penalty));
+        table.add("closed-form certified", &problem, enclosed);
     }
     Ok(())
 }
@@ -170,8 +170,8 @@ fn certified_maps(grid: &Grid, table: &mut Table) -> Result<f64> {
     let mut total = 0.0;
     for mass in MASSES {
         let model = bar_on_wall(100, mass)?;
-        let engine = model.engine(EngineName::ClosedForm, None);
-        let seconds = median(|| drop(std::hint::black_box(map(&model, grid, engine.as_ref(), &|_| ()))));
+        let limit = Spectrum(Box::new(model.closed_form()));
+        let seconds = median(|| drop(std::hint::black_box(map(&model, grid, &limit, &|_| ()))));
         let problem = format!("map, 100 elements, {}, all cores", mass.name());
         table.add("closed-form certified", &problem, seconds / grid.len() as f64);
         total += seconds;
@@ -188,9 +188,10 @@ fn unequal_bars(grid: &Grid, table: &mut Table) -> Result<f64> {
     let mut slower: f64 = 0.0;
     for name in [EngineName::ClosedForm, EngineName::Secular] {
         // The secular function is compressed anew in every run: the time is that of a map from scratch.
+        model.engine(name, &pencil)?;
         let seconds = median(|| {
-            let engine = model.engine(name, Some(&pencil));
-            drop(std::hint::black_box(map(&model, grid, engine.as_ref(), &|_| ())));
+            let limit = model.engine(name, &pencil).map(Spectrum);
+            drop(std::hint::black_box(limit.map(|limit| map(&model, grid, &limit, &|_| ()))));
         });
         let method = format!("{} certified", name.text());
         table.add(&method, "unequal bars, 2 x 1e4 elements, all cores", seconds / grid.len() as f64);
@@ -206,8 +207,8 @@ fn engines(table: &mut Table) -> Result<()> {
         let model = bar_on_wall(elements, MassMatrix::CONSISTENT)?;
         let pencil = model.pencil();
         for name in [EngineName::Secular, EngineName::Sturm, EngineName::Dense] {
-            let engine = model.engine(name, Some(&pencil));
-            let seconds = per_point(&model, engine.as_ref(), &grid, false);
+            let engine = model.engine(name, &pencil)?;
+            let seconds = per_point(&model, &grid, |penalty| certified(&*engine, penalty));
             table.add(name.text(), &format!("single points, {elements} elements, consistent"), seconds);
         }
     }
@@ -222,8 +223,8 @@ mod lapack {
 
     /// LAPACK's own routines for the largest eigenvalue; a call includes the copy of the matrices that it destroys.
     pub fn routines(table: &mut Table, model: &Model) -> Result<()> {
-        let penalties = model.penalties(StiffnessPenalty::new(10.0)?, Ratio::new(2.0)?);
-        let (k, m) = gap_matrices(&model.pencil(), &penalties);
+        let penalty = model.penalty(StiffnessPenalty::new(10.0)?, Ratio::new(2.0)?);
+        let (k, m) = gap_matrices(&model.pencil(), &penalty);
         let (band_k, band_m) = (Band::of(&k), Band::of(&m));
         let problem = "100 elements, consistent";
         let full = median(|| repeat(20, || dsygvx_largest(k.clone(), m.clone()))) / 20.0;

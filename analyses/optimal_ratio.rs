@@ -140,21 +140,21 @@ fn search(model: &Model, grid: &Grid, options: &LimitOptions, progress: &Progres
     let name = options.limit.name();
     let betas = grid.stiffness_penalties.par_iter();
     if let (Some(scheme), Some(pencil)) = (options.limit.scheme(), &pencil) {
-        let limit = SchemeLimit::new(model, pencil, scheme, options.theta())?;
+        let limit = SchemeLimit::new(pencil, Box::new(model.closed_form()), scheme, options.theta())?;
         let row = |beta_s: &StiffnessPenalty| {
             let found = optimal_scheme_ratio(model, &limit, *beta_s)?;
             progress.add(1);
-            let expected = limit.expected_ratio(model, *beta_s);
+            let expected = limit.expected_ratio(*beta_s);
             Ok(OptimalRatioRow::new(model, name, beta_s.get(), found, expected))
         };
         let rows = betas.map(row).collect::<Result<_, _>>().map_err(uncertified)?;
         return Ok(Found { model: model.clone(), expected: None, rows });
     }
-    let engine = options.engine(model, pencil.as_ref())?;
-    let expectation = Expectation::of(model, engine.as_ref()).map_err(uncertified)?;
+    let engine = options.find(model, pencil.as_ref())?;
+    let expectation = Expectation::of(model, &*engine).map_err(uncertified)?;
     let expected = Some(expectation.ratio());
     let row = |beta_s: &StiffnessPenalty| {
-        let found = optimal_ratio(model, engine.as_ref(), &expectation, *beta_s)?;
+        let found = optimal_ratio(model, &*engine, &expectation, *beta_s)?;
         progress.add(1);
         Ok(OptimalRatioRow::new(model, name, beta_s.get(), found, expected))
     };

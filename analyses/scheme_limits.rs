@@ -152,7 +152,7 @@ fn draw(job: &Job, model: &Model, rows: &[Vec<StabilityRow>], theta: f64, output
         let pencil = model.pencil();
         let mut lines = Vec::new();
         for (scheme, rows) in LIMITS.into_iter().filter_map(Limit::scheme).zip(rows) {
-            let limit = SchemeLimit::new(model, &pencil, scheme, theta)?;
+            let limit = SchemeLimit::new(&pencil, Box::new(model.closed_form()), scheme, theta)?;
             let line = |level: f64| (level, scheme_contour(model, &limit, level, beta_s, ratio));
             lines.push(charts::levels(rows).into_iter().map(line).collect());
         }
@@ -207,12 +207,12 @@ fn optimal_ratios(
 fn ratios_of(model: &Model, limit: Limit, theta: f64) -> Result<Vec<OptimalRatioRow>> {
     let Some(scheme) = limit.scheme() else { return Ok(Vec::new()) };
     let pencil = model.pencil();
-    let found = SchemeLimit::new(model, &pencil, scheme, theta)?;
+    let found = SchemeLimit::new(&pencil, Box::new(model.closed_form()), scheme, theta)?;
     let row = |beta_s: &f64| {
         let beta_s = StiffnessPenalty::new(*beta_s)?;
         let refused = |e| Refusal::new(model.scene().name(), e, "scenes whose limit can be certified");
         let ratio = optimal_scheme_ratio(model, &found, beta_s).map_err(refused)?;
-        let expected = found.expected_ratio(model, beta_s);
+        let expected = found.expected_ratio(beta_s);
         Ok(OptimalRatioRow::new(model, limit.name(), beta_s.get(), ratio, expected))
     };
     Axis::log(1e-1, 1e6, 141)?.values.par_iter().map(row).collect()

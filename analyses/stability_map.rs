@@ -182,7 +182,8 @@ fn draw(job: &Job, rows: &[Vec<StabilityRow>], limit: &LimitOptions, output: &Ou
                     }
                     Some(scheme) => {
                         let pencil = model.pencil();
-                        let limit = SchemeLimit::new(model, &pencil, scheme, limit.theta())?;
+                        let limit =
+                            SchemeLimit::new(&pencil, Box::new(model.closed_form()), scheme, limit.theta())?;
                         let line = |level: f64| (level, scheme_contour(model, &limit, level, beta_s, ratio));
                         levels.into_iter().map(line).collect()
                     }

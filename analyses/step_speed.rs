@@ -12,8 +12,9 @@ use bipenalty::cli::{Verdict, arguments, finish};
 use bipenalty::error::Result;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
+use bipenalty::pencil::Penalty;
 use bipenalty::scene::{Bar, End, Scene};
-use bipenalty::schemes::{ContactRule, Park, Scheme, Setup, State, Stepper};
+use bipenalty::schemes::{CentralDifference, ContactRule, Motion, Scheme, System};
 use bipenalty::stability::Model;
 use clap::Parser;
 
@@ -45,10 +46,10 @@ fn compare(options: &Options) -> Result<Verdict> {
     println!("{:<12} {:>14} {:>14} {:>7}", "mass", "here, 1/s", "C, 1/s", "ratio");
     let cases = [("lumped", MassMatrix::LUMPED, STEPS), ("consistent", MassMatrix::CONSISTENT, STEPS / 10)];
     for (name, mass, steps) in cases {
-        let (mut stepper, mut state) = prepare(mass, if mass.is_lumped() { 0.5 } else { 0.25 })?;
+        let mut motion = prepare(mass, if mass.is_lumped() { 0.5 } else { 0.25 })?;
         let (mut here, mut there) = (Vec::new(), Vec::new());
         for _ in 0..options.repeats {
-            here.push(rate(&mut stepper, &mut state, steps));
+            here.push(rate(&mut *motion, steps));
             there.extend(peer.as_ref().ok().and_then(|program| {
                 output(Command::new(program).args([name, &NODES.to_string(), &steps.to_string(), "1"]))
             }));
@@ -103,7 +104,7 @@ fn median(rates: &mut [f64]) -> f64 {
 }
 
 /// A free bar of unit elements in unsteady motion.
-fn prepare(mass: MassMatrix, time_step: f64) -> Result<(Stepper, State)> {
+fn prepare(mass: MassMatrix, time_step: f64) -> Result<Box<dyn Motion>> {
     let elements = NODES - 1;
     let bar = Bar {
         length: elements as f64,
@@ -115,24 +116,23 @@ fn prepare(mass: MassMatrix, time_step: f64) -> Result<(Stepper, State)> {
     };
     let scene = Scene::new("bar", End::Free, vec![bar], End::Free, None)?;
     let pencil = Model::new(scene, mass, PenaltyMass::Consistent).pencil();
-    let mut stepper = Stepper::new(Setup {
+    let system = System {
         pencil: &pencil,
-        contacts: Vec::new(),
+        penalty: Penalty::NONE,
         load: Vec::new(),
-        scheme: Scheme::CentralDifference,
         time_step,
+        critical_step: 1.0,
         rule: ContactRule::Unilateral,
-        park: Park { theta: 0.5, critical_step: 1.0 },
         account: false,
-    })?;
+    };
     let velocity = (0..NODES).map(|i| 0.1 * ((i * 37 % 11) as f64 - 5.0)).collect();
-    let mut state = stepper.start(vec![0.0; NODES], velocity);
-    stepper.step(&mut state);
-    Ok((stepper, state))
+    let mut motion = CentralDifference.start(system, vec![0.0; NODES], velocity)?;
+    motion.step();
+    Ok(motion)
 }
 
-fn rate(stepper: &mut Stepper, state: &mut State, steps: u64) -> f64 {
+fn rate(motion: &mut dyn Motion, steps: u64) -> f64 {
     let start = Instant::now();
-    (0..steps).for_each(|_| stepper.step(state));
+    (0..steps).for_each(|_| motion.step());
     (NODES as u64 * steps) as f64 / start.elapsed().as_secs_f64()
 }

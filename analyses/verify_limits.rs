@@ -8,6 +8,7 @@
 //! the predicted limit, and the energy is measured that they gain while contacts open and close.
 
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use bipenalty::cli::{
     Contact, OpeningOptions, OpeningPlan, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments,
@@ -17,7 +18,7 @@ use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::verify_charts;
 use bipenalty::record::{StabilityRow, VerifyRow};
 use bipenalty::scene::{Scene, load};
-use bipenalty::schemes::Scheme;
+use bipenalty::schemes::{Scheme, SchemeName};
 use bipenalty::stability::{Axis, Grid, Model, map};
 use bipenalty::verify::{Point, Predictor, Search, confirm};
 use clap::Parser;
@@ -48,7 +49,7 @@ struct Options {
         value_delimiter = ',',
         default_value = "central-difference,predictor-corrector,park"
     )]
-    scheme: Vec<Scheme>,
+    scheme: Vec<SchemeName>,
     /// Averaging of the Park scheme, in [0, 1] [default: 0.5]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     theta: Option<f64>,
@@ -73,8 +74,7 @@ const EXAMPLES: &str = "Examples:
 struct Job {
     stem: String,
     models: Vec<Model>,
-    scheme: Scheme,
-    theta: f64,
+    scheme: Arc<dyn Scheme>,
     tolerance: f64,
 }
 
@@ -126,7 +126,7 @@ fn wants(options: &Options, contact: Contact) -> bool {
 
 /// Refuses options that nothing of what was asked for uses.
 fn check_used(options: &Options) -> Result<(), Refusal> {
-    if let Some(theta) = options.theta.filter(|_| !options.scheme.contains(&Scheme::Park)) {
+    if let Some(theta) = options.theta.filter(|_| !options.scheme.contains(&SchemeName::Park)) {
         return Err(Refusal::new("--theta", theta, "no theta without --scheme park"));
     }
     if let Some(tolerance) = options.tolerance.filter(|_| !wants(options, Contact::Closed)) {
@@ -225,9 +225,9 @@ impl Study {
         let fine = if self.beta_s.log { Axis::log(low, high, 201)? } else { Axis::linear(low, high, 201)? };
         let grid = Grid::new(&fine, &self.ratio)?;
         let pencil = model.pencil();
-        let predictor = Predictor::new(model, &pencil, job.scheme, job.theta)?;
-        let curves = map(model, &grid, predictor.engine(), &|_| ());
-        Ok(StabilityRow::of(model, job.scheme.name(), &curves, predictor.engine().name()))
+        let predictor = Predictor::new(model, &pencil, &*job.scheme)?;
+        let curves = map(model, &grid, predictor.limit(), &|_| ());
+        Ok(StabilityRow::of(model, job.scheme.facts().name, &curves, predictor.limit().name()))
     }
 }
 
@@ -236,19 +236,21 @@ fn plan(options: &Options, grid: &Grid) -> Result<Vec<Job>> {
     let scenes = scenes(options, ["signorini", "symmetric"], Some(1))?;
     let mut jobs = Vec::new();
     for scheme in &options.scheme {
-        let usual = if *scheme == Scheme::CentralDifference { 1e-6 } else { 1e-4 };
+        let usual = if *scheme == SchemeName::CentralDifference { 1e-6 } else { 1e-4 };
         let (theta, tolerance) = (options.theta.unwrap_or(0.5), options.tolerance.unwrap_or(usual));
-        Search::to(tolerance, *scheme)?;
+        let name = scheme.name();
+        let scheme = scheme.with_theta(theta)?;
+        Search::to(tolerance, &*scheme)?;
         for (i, mass) in options.scene.mass.0.iter().enumerate() {
             let models: Vec<Model> =
                 scenes.iter().map(|scene| options.scene.models(scene).swap_remove(i)).collect();
             for model in &models {
                 model.check_grid(grid)?;
-                Predictor::new(model, &model.pencil(), *scheme, theta)?;
+                Predictor::new(model, &model.pencil(), &*scheme)?;
             }
             let names: Vec<&str> = scenes.iter().map(Scene::name).collect();
-            let stem = format!("{}-{}-{}", names.join("-"), mass.name(), scheme.name());
-            jobs.push(Job { stem, models, scheme: *scheme, theta, tolerance });
+            let stem = format!("{}-{}-{}", names.join("-"), mass.name(), name);
+            jobs.push(Job { stem, models, scheme: scheme.clone(), tolerance });
         }
     }
     check_stems(&options.output, scenes.iter().map(|scene| scene.name().to_owned()))?;
@@ -259,7 +261,7 @@ fn plan(options: &Options, grid: &Grid) -> Result<Vec<Job>> {
 /// Steps at every point of the grid, in parallel, and compares with the prediction.
 fn measure(model: &Model, job: &Job, grid: &Grid, progress: &Progress) -> Result<Vec<VerifyRow>> {
     let pencil = model.pencil();
-    let predictor = Predictor::new(model, &pencil, job.scheme, job.theta)?;
+    let predictor = Predictor::new(model, &pencil, &*job.scheme)?;
     let ratios =
         grid.ratios.iter().flat_map(|ratio| grid.stiffness_penalties.iter().map(move |b| (*ratio, *b)));
     let points: Vec<Point> =
@@ -267,7 +269,7 @@ fn measure(model: &Model, job: &Job, grid: &Grid, progress: &Progress) -> Result
     let row = |point: &Point| -> Result<VerifyRow> {
         let confirmation = confirm(&predictor, *point, job.tolerance)?;
         progress.add(1);
-        Ok(VerifyRow::new(model, job.scheme, *point, &confirmation))
+        Ok(VerifyRow::new(model, &*job.scheme, *point, &confirmation))
     };
     points.par_iter().map(row).collect()
 }

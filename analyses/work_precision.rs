@@ -21,7 +21,7 @@ use bipenalty::precision::{
     mark_front, markdown, measure_eigenvalues, measure_impacts,
 };
 use bipenalty::record::WorkRow;
-use bipenalty::schemes::Scheme;
+use bipenalty::schemes::SchemeName;
 use clap::Parser;
 
 /// Error against run time of every engine and scheme, beside peers; exit status 1 if an engine errs more than it claims.
@@ -105,7 +105,7 @@ fn impacts(plan: &Plan) -> Result<Vec<Impactproblem>> {
     let mut impacts = Vec::new();
     for scene in SCENES {
         for mass in [MassMatrix::LUMPED, MassMatrix::AVERAGED, MassMatrix::CONSISTENT] {
-            for scheme in Scheme::ALL {
+            for scheme in SchemeName::ALL {
                 for courant in plan.courants {
                     for elements in plan.elements {
                         impacts.push(Impactproblem::new(scene, mass, scheme, *elements, *courant)?);

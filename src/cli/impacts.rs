@@ -41,7 +41,7 @@ impl PlannedRun {
             "{}-{}-{}-beta{}-r{}",
             model.scene().name(),
             model.mass().name(),
-            self.run.scheme().name(),
+            self.run.scheme().facts().name,
             short(self.beta_s.get()),
             short(self.ratio.get()),
         )

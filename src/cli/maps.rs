@@ -6,10 +6,11 @@ use super::{Limit, LimitOptions, Progress};
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
 use crate::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
+use crate::pencil::Penalty;
 use crate::plot::charts::is_logarithmic;
 use crate::scene::Scene;
-use crate::schemes::Scheme;
-use crate::spectrum::{Enclosure, Engine, Uncertified};
+use crate::schemes::SchemeName;
+use crate::spectrum::{Enclosure, StepLimit, Uncertified};
 use crate::stability::{Axis, Curve, Grid, Model, SchemeLimit, map};
 
 /// How the points of a job are drawn.
@@ -99,10 +100,11 @@ impl Job {
     /// What [`SchemeLimit::plastic_ratio`] and [`Job::new`] refuse.
     pub fn plastic(stem: String, model: Model, beta_s: Axis, relative_courant: f64) -> Result<Self, Refusal> {
         let pencil = model.pencil();
-        let limit = SchemeLimit::new(&model, &pencil, Scheme::PredictorCorrector, 0.5)?;
+        let limit =
+            SchemeLimit::new(&pencil, Box::new(model.closed_form()), SchemeName::PredictorCorrector, 0.5)?;
         let ratio = |beta_s: &f64| {
             let beta_s = StiffnessPenalty::new(*beta_s)?;
-            limit.plastic_ratio(&model, beta_s, relative_courant).map(Ratio::get)
+            limit.plastic_ratio(beta_s, relative_courant).map(Ratio::get)
         };
         let ratios: Result<Vec<f64>, Refusal> = beta_s.values.iter().map(ratio).collect();
         let job = Self::new(stem, vec![model.clone()], beta_s, Axis::list(ratios?))?;
@@ -131,7 +133,7 @@ impl Job {
         progress: &Progress,
     ) -> Result<Solved, Refusal> {
         let pencil = limit.needs_pencil().then(|| model.pencil());
-        let engine = limit.engine(model, pencil.as_ref())?;
+        let engine = limit.find(model, pencil.as_ref())?;
         let begun = Instant::now();
         let curves = self.curves(model, engine.as_ref(), progress);
         let seconds = begun.elapsed().as_secs_f64();
@@ -140,12 +142,12 @@ impl Job {
             let grid = Grid { ratios: vec![Ratio::OPTIMAL], ..self.grid.clone() };
             map(model, &grid, engine.as_ref(), &|_| ()).remove(0)
         });
-        let contact_free = engine.enclose(&vec![Default::default(); model.scales().len()], None);
+        let contact_free = engine.enclose(&Penalty::NONE, None).map(|step| step.l);
         let (model, limit) = (model.clone(), limit.limit);
         Ok(Solved { model, limit, engine: engine.name(), curves, contact_free, optimal, seconds })
     }
 
-    fn curves(&self, model: &Model, engine: &dyn Engine, progress: &Progress) -> Vec<Curve> {
+    fn curves(&self, model: &Model, engine: &dyn StepLimit, progress: &Progress) -> Vec<Curve> {
         let done = |points| progress.add(points);
         if !self.paired {
             return map(model, &self.grid, engine, &done);
@@ -199,10 +201,10 @@ pub fn checked_grid(beta_s: &Axis, ratio: &Axis) -> Result<Grid, Refusal> {
 }
 
 /// How the limit of a scheme is found for `model`.
-fn explain_scheme(model: &Model, scheme: Scheme) -> String {
+fn explain_scheme(model: &Model, scheme: SchemeName) -> String {
     let scene = model.scene();
     let method = match scheme {
-        Scheme::Park => {
+        SchemeName::Park => {
             "multiplier -1 of the amplification matrix, about 10 pairs of eliminations of the pencil"
         }
         _ => "dt^2 s' mu = 1 in closed form; below the contact-free l_max signs of the secular equation",

@@ -1,5 +1,7 @@
 //! Runs with contact that opens and closes, below the linear limits: what they gain, and which step to recommend.
 
+use std::sync::Arc;
+
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
@@ -9,7 +11,7 @@ use crate::error::{Refusal, Result};
 use crate::impact::Run;
 use crate::plot::opening_charts::{gain_maps, is_map};
 use crate::record::{OpeningRow, Recommendation, VerifyRow, scans};
-use crate::schemes::Scheme;
+use crate::schemes::{Scheme, SchemeName};
 use crate::stability::{Axis, Grid, Model};
 use crate::verify::Point;
 use crate::verify::opening::{LinearLimit, Load, MOST_STEPS, energy_gain, energy_put_in, is_proven};
@@ -68,7 +70,7 @@ impl OpeningPlan {
     /// Refuses fractions outside (0, 1), and what the limits and the runs refuse.
     pub fn new(
         models: &[Model],
-        schemes: &[Scheme],
+        schemes: &[SchemeName],
         theta: f64,
         grid: &Grid,
         options: &OpeningOptions,
@@ -82,11 +84,12 @@ impl OpeningPlan {
             model.check_grid(grid)?;
             let pencil = model.pencil();
             for scheme in schemes {
-                let limit = LinearLimit::new(model, &pencil, *scheme, theta)?;
+                let scheme = scheme.with_theta(theta)?;
+                let limit = LinearLimit::new(model, &pencil, &*scheme)?;
                 for ratio in &grid.ratios {
                     for stiffness_penalty in &grid.stiffness_penalties {
                         let point = Point { stiffness_penalty: *stiffness_penalty, ratio: *ratio };
-                        plan.add(model, *scheme, theta, point, &limit, fractions)?;
+                        plan.add(model, &scheme, point, &limit, fractions)?;
                     }
                 }
             }
@@ -97,17 +100,16 @@ impl OpeningPlan {
     fn add(
         &mut self,
         model: &Model,
-        scheme: Scheme,
-        theta: f64,
+        scheme: &Arc<dyn Scheme>,
         point: Point,
         limit: &LinearLimit,
         fractions: &[f64],
     ) -> Result<(), Refusal> {
-        let predicted = limit.relative(point);
+        let predicted = limit.relative(point)?;
         let mut cases = Vec::new();
         for load in Load::ALL {
             let Some(loaded) = load.on(model)? else { continue };
-            let run = Run::new(loaded, scheme, point.stiffness_penalty, point.ratio)?.with_theta(theta)?;
+            let run = Run::new(loaded, scheme.clone(), point.stiffness_penalty, point.ratio)?;
             energy_put_in(&run, load)?;
             for fraction in fractions {
                 cases.push(Case {
@@ -116,7 +118,7 @@ impl OpeningPlan {
                     point,
                     predicted,
                     contact_free_courant: limit.contact_free_courant(),
-                    proven: is_proven(model, scheme),
+                    proven: is_proven(model, &**scheme),
                 });
             }
         }

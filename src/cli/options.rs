@@ -12,9 +12,9 @@ use crate::penalty::PenaltyMass;
 use crate::pencil::Pencil;
 use crate::plot::Width;
 use crate::scene::{MAX_ELEMENTS, Scene, load};
-use crate::schemes::Scheme;
-use crate::spectrum::Engine;
-use crate::stability::{Axis, EngineName, Model, SchemeLimit};
+use crate::schemes::SchemeName;
+use crate::spectrum::{Spectrum, StepLimit};
+use crate::stability::{Axis, EngineName, Model};
 
 /// Which scenes, how finely meshed, with which mass.
 #[derive(Debug, Clone, Args)]
@@ -129,18 +129,18 @@ impl Limit {
     pub fn name(self) -> &'static str {
         match self {
             Self::Spectrum => "spectrum",
-            Self::CentralDifference => Scheme::CentralDifference.name(),
-            Self::PredictorCorrector => Scheme::PredictorCorrector.name(),
-            Self::Park => Scheme::Park.name(),
+            Self::CentralDifference => SchemeName::CentralDifference.name(),
+            Self::PredictorCorrector => SchemeName::PredictorCorrector.name(),
+            Self::Park => SchemeName::Park.name(),
         }
     }
 
     /// The scheme whose limit is not the spectrum's.
-    pub fn scheme(self) -> Option<Scheme> {
+    pub fn scheme(self) -> Option<SchemeName> {
         match self {
             Self::Spectrum | Self::CentralDifference => None,
-            Self::PredictorCorrector => Some(Scheme::PredictorCorrector),
-            Self::Park => Some(Scheme::Park),
+            Self::PredictorCorrector => Some(SchemeName::PredictorCorrector),
+            Self::Park => Some(SchemeName::Park),
         }
     }
 }
@@ -163,17 +163,19 @@ impl LimitOptions {
     /// Refuses what `model` has no such limit or no such engine for.
     ///
     /// # Errors
-    /// An engine or a theta that the limit does not use, and what [`SchemeLimit::new`] refuses.
+    /// An engine or a theta that the limit does not use, and what [`Model::limit`] refuses.
     pub fn check(&self, model: &Model) -> Result<(), Refusal> {
         let place = format!("--limit {}", self.limit.name());
         if let Some(theta) = self.theta.filter(|_| self.limit != Limit::Park) {
             return Err(Refusal::new("--theta", theta, format!("no theta with {place}, or --limit park")));
         }
-        let Some(scheme) = self.limit.scheme() else { return model.check_engine(self.engine) };
+        let Some(scheme) = self.limit.scheme() else {
+            return model.check_engine(self.engine).map_err(by_option);
+        };
         if self.engine != EngineName::Auto {
             return Err(Refusal::new("--engine", self.engine.text(), format!("auto with {place}")));
         }
-        SchemeLimit::new(model, &model.pencil(), scheme, self.theta()).map(|_| ())
+        model.limit(&*scheme.with_theta(self.theta())?, &model.pencil()).map(|_| ()).map_err(by_option)
     }
 
     /// theta of the Park scheme.
@@ -189,17 +191,20 @@ impl LimitOptions {
     /// What finds the limit of `model` as l = 4/dt^2; `pencil` where it is needed.
     ///
     /// # Errors
-    /// What [`SchemeLimit::new`] refuses.
-    pub fn engine<'a>(
+    /// What [`Model::limit`] refuses.
+    pub fn find<'a>(
         &self,
         model: &Model,
         pencil: Option<&'a Pencil>,
-    ) -> Result<Box<dyn Engine + 'a>, Refusal> {
+    ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
         match (self.limit.scheme(), pencil) {
             (Some(scheme), Some(pencil)) => {
-                Ok(Box::new(SchemeLimit::new(model, pencil, scheme, self.theta())?))
+                model.limit(&*scheme.with_theta(self.theta())?, pencil).map_err(by_option)
             }
-            _ => Ok(model.engine(self.engine, pencil)),
+            (None, Some(pencil)) => {
+                Ok(Box::new(Spectrum(model.engine(self.engine, pencil).map_err(by_option)?)))
+            }
+            (_, None) => Ok(Box::new(Spectrum(Box::new(model.closed_form())))),
         }
     }
 }
@@ -311,4 +316,22 @@ pub enum StandardOutput {
     Csv,
     /// One document with provenance
     Json,
+}
+
+/// A refusal by the option that the user typed.
+pub(super) fn by_option(refusal: Refusal) -> Refusal {
+    let place = match refusal.place.as_str() {
+        "beta_s" => "--beta-s",
+        "r" | "ratio" => "--ratio",
+        "beta_s, ratio" => "--beta-s, --ratio",
+        "theta" => "--theta",
+        "limit" => "--limit",
+        "engine" => "--engine",
+        "relative Courant number" => "--relative-courant",
+        other => other,
+    };
+    let allowed = refusal
+        .allowed
+        .replace("the consistent mass penalty", "the consistent mass penalty, --penalty-mass consistent");
+    Refusal { place: place.to_owned(), allowed, ..refusal }
 }

@@ -4,7 +4,7 @@ use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 
 use super::Solved;
-use crate::penalty::{Ratio, reference_bar};
+use crate::penalty::Ratio;
 use crate::record::{ImpactRow, Number, OptimalRatioRow, StabilityRow};
 use crate::stability::{CriticalStep, Curve, Point};
 
@@ -129,7 +129,7 @@ fn verdict(solved: &Solved, free: CriticalStep, optimal: CriticalStep) -> (Strin
     let scene = solved.model.scene();
     let mass = solved.model.mass();
     let element = scene.bars().iter().map(|bar| mass.element_eigenvalue(bar)).fold(0.0, f64::max);
-    let reference = mass.element_eigenvalue(reference_bar(scene, mass));
+    let reference = solved.model.reference_eigenvalue();
     let element_limit = solved.model.critical_courant(reference) * (reference / element).sqrt();
     let above_element = optimal.upper >= element_limit * (1.0 - 4.0 * f64::EPSILON);
     let text = match (optimal.upper >= free.lower, above_element) {

@@ -277,7 +277,11 @@ fn within(velocity: &[f64], bound: f64) -> bool {
 /// A contact-free limit that is not certified.
 pub(crate) fn contact_free_step(model: &Model) -> Result<f64, Refusal> {
     let refused = |e: Uncertified| {
-        Refusal::new(format!("scene {}", model.scene().name()), e, "scenes whose contact-free limit is certified")
+        Refusal::new(
+            format!("scene {}", model.scene().name()),
+            e,
+            "scenes whose contact-free limit is certified",
+        )
     };
     Ok(2.0 / model.closed_form().enclose(&Penalty::NONE, None).map_err(refused)?.value.sqrt())
 }

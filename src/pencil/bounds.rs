@@ -58,13 +58,17 @@ impl Bounds {
             return Ok(());
         }
         let value = format!("B = {:e} rad^2/s^2 and c = {:e}", self.stiffness, self.mass);
-        let allowed = format!("a positive definite mass, of which B/{b:e} and c/{a:e} are at least the condition in its diagonal");
+        let allowed = format!(
+            "a positive definite mass, of which B/{b:e} and c/{a:e} are at least the condition in its diagonal"
+        );
         Err(Refusal::new("mass, bounds", value, allowed))
     }
 
     /// The sharp check of a tridiagonal pencil, a positive definite mass included.
     fn holds_by_pivots(self, stiffness: &Matrix, mass: &Matrix) -> bool {
-        let (Matrix::Chain(k), Matrix::Chain(_) | Matrix::Diagonal(_)) = (stiffness, mass) else { return false };
+        let (Matrix::Chain(k), Matrix::Chain(_) | Matrix::Diagonal(_)) = (stiffness, mass) else {
+            return false;
+        };
         let zeros = vec![0.0; k.off_diagonal.len()];
         let (m, m_off) = match mass {
             Matrix::Chain(m) => (&m.diagonal, &m.off_diagonal),
@@ -103,9 +107,8 @@ fn least_quotient(matrix: &Matrix, own: &impl Fn(usize) -> f64, enough: f64) -> 
     let mut weights = vec![1.0; n];
     let mut least = f64::INFINITY;
     for _ in 0..IMPROVEMENTS {
-        let quotient = |i: usize| {
-            matrix.row(i).map(|(j, a)| a.abs() * weights[j]).sum::<f64>() / (own(i) * weights[i])
-        };
+        let quotient =
+            |i: usize| matrix.row(i).map(|(j, a)| a.abs() * weights[j]).sum::<f64>() / (own(i) * weights[i]);
         let quotients: Vec<f64> = (0..n).map(quotient).collect();
         let largest = quotients.iter().fold(0.0, |a: f64, b| a.max(*b));
         least = least.min(largest);
@@ -133,7 +136,9 @@ fn exceeds_its_diagonal(mass: &Matrix, share: f64) -> bool {
     let rounding = 0.5 * f64::EPSILON * n as f64 * (n + 1) as f64;
     let kept = 1.0 - share + 2.0 * rounding;
     let entry = |i: usize, j: usize, a: f64| if i == j { a * kept } else { a };
-    let lower = |i: usize| mass.row(i).filter(move |(j, _)| *j <= i).map(move |(j, a)| Triplet::new(i, j, entry(i, j, a)));
+    let lower = |i: usize| {
+        mass.row(i).filter(move |(j, _)| *j <= i).map(move |(j, a)| Triplet::new(i, j, entry(i, j, a)))
+    };
     let triplets: Vec<_> = (0..n).flat_map(lower).collect();
     SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets)
         .is_ok_and(|matrix| matrix.sp_cholesky(Side::Lower).is_ok())

@@ -209,16 +209,16 @@ impl<'a> ChainPencil<'a> {
     /// A lower bound of l_max: the largest Rayleigh quotient of a single node, its contact included.
     pub fn lower_bound(&self, terms: &[Terms]) -> f64 {
         let (k, m) = (&self.stiffness.diagonal, &self.mass.diagonal);
-        let touching = self.gaps().iter().zip(terms).flat_map(|(gap, p)| {
-            gap.nodes().map(|i| (k[i] + p.stiffness) / (m[i] + p.mass + p.nodal_mass))
-        });
+        let touching =
+            self.gaps().iter().zip(terms).flat_map(|(gap, p)| {
+                gap.nodes().map(|i| (k[i] + p.stiffness) / (m[i] + p.mass + p.nodal_mass))
+            });
         touching.fold(self.cuts.largest_free_node, f64::max)
     }
 }
 
 /// The bound of [`ChainPencil::contact_bound`] from mu_j or more.
 pub fn contact_bound(compliance: &[f64], terms: &[Terms]) -> f64 {
-    let term =
-        |(mu, p): (&f64, &Terms)| p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass);
+    let term = |(mu, p): (&f64, &Terms)| p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass);
     compliance.iter().zip(terms).map(term).sum()
 }

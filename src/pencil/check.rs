@@ -55,7 +55,11 @@ pub(super) fn gaps(gaps: &[Gap], n: usize) -> Result<(), Refusal> {
         }
         for (k, (i, z)) in entries.iter().enumerate() {
             if *i as usize >= n {
-                return Err(Refusal::new(place("column"), format!("index {i}"), format!("indices below {n}")));
+                return Err(Refusal::new(
+                    place("column"),
+                    format!("index {i}"),
+                    format!("indices below {n}"),
+                ));
             }
             if k > 0 && entries[k - 1].0 >= *i {
                 return Err(Refusal::new(place("column"), format!("index {i}"), "ascending indices"));

@@ -142,7 +142,9 @@ impl Matrix {
         match self {
             Self::Chain(a) => a.quadratic(x, y),
             Self::Diagonal(d) => (0..x.len()).map(|i| d[i] * x[i] * y[i]).sum(),
-            Self::Sparse(_) => (0..x.len()).map(|i| x[i] * self.row(i).map(|(j, a)| a * y[j]).sum::<f64>()).sum(),
+            Self::Sparse(_) => {
+                (0..x.len()).map(|i| x[i] * self.row(i).map(|(j, a)| a * y[j]).sum::<f64>()).sum()
+            }
         }
     }
 

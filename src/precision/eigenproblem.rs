@@ -3,8 +3,9 @@
 use crate::error::Refusal;
 use crate::fem::MassMatrix;
 use crate::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
-use crate::pencil::{Gap, Penalty, Pencil, Tridiagonal};
+use crate::pencil::{Bounds, Gap, Matrix, Penalty, Pencil, Tridiagonal};
 use crate::scene::{Bar, End, Scene};
+use crate::sparse::SparseVector;
 use crate::stability::Model;
 
 /// The names of the problems; `tests/data/spectra.py` says what each is.
@@ -26,7 +27,7 @@ pub struct Eigenproblem {
     /// K and M.
     pub pencil: Pencil,
     /// s and m.
-    pub penalties: Vec<Penalty>,
+    pub penalty: Penalty,
 }
 
 impl Eigenproblem {
@@ -45,27 +46,26 @@ impl Eigenproblem {
             "wall-consistent" => (on_wall, MassMatrix::CONSISTENT, 10.0, 2.0),
             "unequal-lumped" => (unequal, MassMatrix::LUMPED, 1e4, 1.0),
             "stiff-lumped" => (on_wall, MassMatrix::LUMPED, 1e8, f64::INFINITY),
-            "random-consistent" => return Ok(Self::random(elements)),
+            "random-consistent" => return Self::random(elements),
             _ => return Err(Refusal::new("problem", name, EIGENPROBLEMS.join(", "))),
         };
         let scene = Scene::new(name, End::Free, bars.0, bars.1, None)?;
         let model = Model::new(scene, mass, PenaltyMass::Consistent);
-        let (pencil, penalties) =
-            (model.pencil(), model.penalties(StiffnessPenalty::new(beta_s)?, Ratio::new(ratio)?));
-        Ok(Self { name, elements, model: Some(model), pencil, penalties })
+        let (pencil, penalty) =
+            (model.pencil(), model.penalty(StiffnessPenalty::new(beta_s)?, Ratio::new(ratio)?));
+        Ok(Self { name, elements, model: Some(model), pencil, penalty })
     }
 
     /// Elements k [1 -1; -1 1], d [2 1; 1 2] with k, d in {64, .., 127}/64 of a linear congruential generator, on a wall
     /// with s = m = 16. Every entry is exact in f64.
-    fn random(elements: usize) -> Self {
+    fn random(elements: usize) -> Result<Self, Refusal> {
         let mut state: u64 = 189;
         let mut draw = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (64 + (state >> 58)) as f64 / 64.0
         };
         let nodes = elements + 1;
-        let zeros = |n: usize| Tridiagonal { diagonal: vec![0.0; n], off_diagonal: vec![0.0; n - 1] };
-        let (mut stiffness, mut mass) = (zeros(nodes), zeros(nodes));
+        let (mut stiffness, mut mass) = (Tridiagonal::zeros(nodes), Tridiagonal::zeros(nodes));
         let mut bound: f64 = 0.0;
         for i in 0..elements {
             let (k, d) = (draw(), draw());
@@ -78,13 +78,16 @@ impl Eigenproblem {
             // The largest eigenvalue of an element.
             bound = bound.max(2.0 * k / d);
         }
-        Self {
+        let gap = Gap { column: SparseVector(vec![(elements as u32, 1.0)]), scale: 16.0, initial: 0.0 };
+        let bounds = Bounds { stiffness: bound, mass: 3.0 };
+        let (stiffness, mass) = (Matrix::Chain(stiffness), Matrix::Chain(mass));
+        Ok(Self {
             name: "random-consistent",
             elements,
             model: None,
-            pencil: Pencil::new(stiffness, mass, vec![Gap::Wall { node: elements }], bound),
-            penalties: vec![Penalty { stiffness: 16.0, mass: 16.0, nodal_mass: 0.0 }],
-        }
+            pencil: Pencil::new(stiffness, mass, vec![gap], bounds, bound)?,
+            penalty: Penalty { stiffness: 1.0, rate: 1.0, ..Penalty::NONE },
+        })
     }
 }
 

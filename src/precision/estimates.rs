@@ -2,13 +2,13 @@
 //!
 //! The bounds lie above l_max, a time step too small; the iterations below it, a time step too large, which is unsafe.
 
-use crate::pencil::{Gap, Penalty, Pencil, Tridiagonal};
+use crate::pencil::{Bounds, ChainPencil, EndGap, Matrix, Penalty, Pencil, Terms, Tridiagonal};
 use crate::spectrum::{Engine, Sturm};
 
 /// max(largest element eigenvalue, s/m of each contact), rad^2/s^2: the mediant bound, infinite without a mass penalty.
-pub fn element_bound(pencil: &Pencil, penalties: &[Penalty]) -> f64 {
-    let own = |p: &Penalty| if p.stiffness == 0.0 { 0.0 } else { p.stiffness / p.mass };
-    penalties.iter().map(own).fold(pencil.element_bound(), f64::max)
+pub fn element_bound(pencil: ChainPencil<'_>, penalty: &Penalty) -> f64 {
+    let own = |p: &Terms| if p.stiffness == 0.0 { 0.0 } else { p.stiffness / p.mass };
+    pencil.terms(penalty).iter().map(own).fold(pencil.pencil().bounds().stiffness, f64::max)
 }
 
 /// max_i sum_j |K_ij|/(M_ii - sum_(j != i) |M_ij|) of the summed matrices, rad^2/s^2; infinite unless M is dominant. In the
@@ -28,12 +28,12 @@ fn beside(matrix: &Tridiagonal, i: usize) -> f64 {
 }
 
 /// K + sum s zz' and M + sum m zz', as a program that knows no contacts would hold them.
-pub fn summed(pencil: &Pencil, penalties: &[Penalty]) -> (Tridiagonal, Tridiagonal) {
+pub fn summed(pencil: ChainPencil<'_>, penalty: &Penalty) -> (Tridiagonal, Tridiagonal) {
     let (mut stiffness, mut mass) = (pencil.stiffness().clone(), pencil.mass().clone());
-    for (gap, p) in pencil.gaps().iter().zip(penalties) {
+    for (gap, p) in pencil.gaps().iter().zip(pencil.terms(penalty)) {
         for (matrix, value) in [(&mut stiffness, p.stiffness), (&mut mass, p.mass)] {
             gap.nodes().for_each(|node| matrix.diagonal[node] += value);
-            if let Gap::Pair { left } = *gap {
+            if let EndGap::Pair { left } = *gap {
                 matrix.off_diagonal[left] -= value;
             }
         }
@@ -146,6 +146,9 @@ fn largest_of(matrix: Tridiagonal) -> f64 {
     let n = matrix.diagonal.len();
     let identity = Tridiagonal { diagonal: vec![1.0; n], off_diagonal: vec![0.0; n - 1] };
     let bound = gershgorin(&matrix, &identity);
-    let pencil = Pencil::new(matrix, identity, Vec::new(), bound);
-    Sturm::new(&pencil).estimate(&[], None)
+    let bounds = Bounds { stiffness: bound, mass: 1.0 };
+    // Without a value there is no estimate: NaN.
+    let pencil = Pencil::new(Matrix::Chain(matrix), Matrix::Chain(identity), Vec::new(), bounds, bound);
+    let found = |pencil: Pencil| Some(Sturm::new(pencil.chain()?).enclose(&Penalty::NONE, None).ok()?.value);
+    pencil.ok().and_then(found).unwrap_or(f64::NAN)
 }

@@ -6,7 +6,7 @@ use crate::fem::MassMatrix;
 use crate::impact::{Ending, Exact, History, Mesh, Recording, Run, Summary};
 use crate::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use crate::scene::{Scene, load};
-use crate::schemes::Scheme;
+use crate::schemes::SchemeName;
 use crate::stability::Model;
 
 /// The scenes, each with an exact solution.
@@ -23,7 +23,7 @@ const STRESS_TIMES: u32 = 10;
 pub struct Impactproblem {
     /// Scene and mass matrix, such as `signorini-lumped`.
     pub name: String,
-    /// Scheme and relative Courant number.
+    /// SchemeName and relative Courant number.
     pub method: String,
     /// Elements of the first bar.
     pub elements: usize,
@@ -66,7 +66,7 @@ impl Impactproblem {
     pub fn new(
         scene: &str,
         mass: MassMatrix,
-        scheme: Scheme,
+        scheme: SchemeName,
         elements: usize,
         relative_courant: f64,
     ) -> Result<Self> {

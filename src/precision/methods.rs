@@ -2,8 +2,9 @@
 
 use super::Eigenproblem;
 use super::estimates::{element_bound, gershgorin, lanczos, power, summed};
+#[cfg(feature = "lapack")]
+use crate::pencil::ChainPencil;
 use crate::spectrum::{Dense, Engine, Secular, Sturm, Uncertified, WIDEST_ENCLOSURE};
-use crate::stability::EngineName;
 
 /// A way to l_max.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,7 +112,7 @@ impl Method {
     /// Products with K or eliminations of the pencil that a call takes, where they are counted.
     pub fn evaluations(self, problem: &Eigenproblem) -> Option<u64> {
         match self {
-            Self::Sturm => Some(Sturm::new(&problem.pencil).eliminations(&problem.penalties)),
+            Self::Sturm => Some(Sturm::new(problem.pencil.chain()?).eliminations(&problem.penalty)),
             Self::Power(steps) => Some(steps as u64 + 1),
             Self::Lanczos(steps) => Some(steps.min(problem.pencil.size()) as u64),
             Self::ElementBound | Self::Gershgorin => Some(1),
@@ -125,45 +126,49 @@ impl Method {
     /// # Errors
     /// Says why the method cannot treat the problem.
     pub fn call(self, problem: &Eigenproblem) -> Result<Call<'_>, String> {
-        let Eigenproblem { pencil, penalties, .. } = problem;
+        let Eigenproblem { pencil, penalty, .. } = problem;
+        let chain = pencil.chain().ok_or("the matrices are no row of bars")?;
         let uniform = || problem.model.as_ref().ok_or("the elements of the bar differ");
         Ok(match self {
             Self::ClosedForm => {
                 let model = uniform()?;
-                Box::new(move || proven(model.engine(EngineName::ClosedForm, None).as_ref(), problem))
+                Box::new(move || proven(&model.closed_form(), problem))
             }
             Self::ClosedFormUnproven => {
                 let model = uniform()?;
-                Box::new(move || Ok(model.engine(EngineName::ClosedForm, None).estimate(penalties, None)))
+                Box::new(move || Ok(model.closed_form().unproven(penalty)))
             }
-            Self::Secular => Box::new(move || proven(&Secular::new(pencil), problem)),
-            Self::Sturm => Box::new(move || proven(&Sturm::new(pencil), problem)),
-            Self::Dense => Box::new(move || proven(&Dense::new(pencil), problem)),
-            Self::ElementBound => Box::new(move || finite(element_bound(pencil, penalties))),
+            Self::Secular => Box::new(move || proven(&Secular::new(chain), problem)),
+            Self::Sturm => Box::new(move || proven(&Sturm::new(chain), problem)),
+            Self::Dense => {
+                let dense = Dense::new(pencil).map_err(|refusal| refusal.to_string())?;
+                Box::new(move || proven(&dense, problem))
+            }
+            Self::ElementBound => Box::new(move || finite(element_bound(chain, penalty))),
             Self::Gershgorin => {
-                let (k, m) = summed(pencil, penalties);
+                let (k, m) = summed(chain, penalty);
                 Box::new(move || finite(gershgorin(&k, &m)))
             }
             Self::Power(steps) => {
-                let (k, m) = summed(pencil, penalties);
+                let (k, m) = summed(chain, penalty);
                 Box::new(move || finite(power(&k, &m, steps)))
             }
             Self::Lanczos(steps) => {
-                let (k, m) = summed(pencil, penalties);
+                let (k, m) = summed(chain, penalty);
                 Box::new(move || finite(lanczos(&k, &m, steps)))
             }
             #[cfg(feature = "lapack")]
-            Self::Lapack | Self::Dsygvx | Self::Dsbgvx => self.lapack_call(problem),
+            Self::Lapack | Self::Dsygvx | Self::Dsbgvx => self.lapack_call(problem, chain),
         })
     }
 
     #[cfg(feature = "lapack")]
-    fn lapack_call(self, problem: &Eigenproblem) -> Call<'_> {
+    fn lapack_call<'a>(self, problem: &'a Eigenproblem, chain: ChainPencil<'a>) -> Call<'a> {
         use crate::spectrum::lapack::{Band, Lapack, dsbgvx_largest, dsygvx_largest, full};
         let no_convergence = || "no convergence".to_owned();
-        let (k, m) = summed(&problem.pencil, &problem.penalties);
+        let (k, m) = summed(chain, &problem.penalty);
         match self {
-            Self::Lapack => Box::new(move || proven(&Lapack::new(&problem.pencil), problem)),
+            Self::Lapack => Box::new(move || proven(&Lapack::new(chain), problem)),
             Self::Dsygvx => {
                 let (k, m) = (full(&k), full(&m));
                 Box::new(move || dsygvx_largest(k.clone(), m.clone()).ok_or_else(no_convergence))
@@ -177,7 +182,7 @@ impl Method {
 }
 
 fn proven(engine: &dyn Engine, problem: &Eigenproblem) -> Result<f64, String> {
-    let enclosed = engine.enclose(&problem.penalties, None);
+    let enclosed = engine.enclose(&problem.penalty, None);
     enclosed.map(|l| l.value).map_err(|error: Uncertified| error.to_string())
 }
 

@@ -105,7 +105,7 @@ impl ImpactRow {
         Self {
             scene: model.scene().name().to_owned(),
             mass: model.mass().name(),
-            scheme: run.scheme().name(),
+            scheme: run.scheme().facts().name,
             stiffness_penalty: Number(beta_s),
             ratio: Number(ratio),
             relative_courant: Number(run.relative_courant()),

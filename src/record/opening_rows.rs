@@ -51,7 +51,7 @@ impl OpeningRow {
             mass: model.mass().name(),
             gamma: Number(model.mass().gamma()),
             elements: model.scene().elements(),
-            scheme: run.scheme().name(),
+            scheme: run.scheme().facts().name,
             load: load.name(),
             stiffness_penalty: Number(point.stiffness_penalty.get()),
             ratio: Number(point.ratio.get()),

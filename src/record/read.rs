@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Number, OptimalRatioRow, StabilityRow};
 use crate::error::{Error, Refusal, Result};
-use crate::schemes::Scheme;
+use crate::schemes::SchemeName;
 
 const STABILITY: [&str; 12] = [
     "scene",
@@ -185,8 +185,9 @@ impl Cells<'_> {
     }
 
     fn limit(&self) -> Result<&'static str, Refusal> {
-        const SCHEMES: [Scheme; 3] = [Scheme::CentralDifference, Scheme::PredictorCorrector, Scheme::Park];
-        let names = SCHEMES.map(Scheme::name);
+        const SCHEMES: [SchemeName; 3] =
+            [SchemeName::CentralDifference, SchemeName::PredictorCorrector, SchemeName::Park];
+        let names = SCHEMES.map(SchemeName::name);
         let known = || names.into_iter().chain(["spectrum"]);
         let allowed = known().collect::<Vec<_>>().join(", ");
         self.parsed("limit", &allowed, |text| known().find(|name| *name == text))

@@ -50,7 +50,7 @@ pub struct VerifyRow {
 
 impl VerifyRow {
     /// The row of one point with contacts held closed.
-    pub fn new(model: &Model, scheme: Scheme, point: Point, confirmation: &Confirmation) -> Self {
+    pub fn new(model: &Model, scheme: &dyn Scheme, point: Point, confirmation: &Confirmation) -> Self {
         let Confirmation { predicted, found, agrees } = confirmation;
         let islands = predicted.islands.iter().map(|(low, high)| format!("{low:.6}-{high:.6}"));
         Self {
@@ -58,7 +58,7 @@ impl VerifyRow {
             mass: model.mass().name(),
             gamma: Number(model.mass().gamma()),
             elements: model.scene().elements(),
-            scheme: scheme.name(),
+            scheme: scheme.facts().name,
             contact: "closed",
             stiffness_penalty: Number(point.stiffness_penalty.get()),
             ratio: Number(point.ratio.get()),

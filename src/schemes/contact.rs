@@ -26,7 +26,10 @@ const NEGLIGIBLE: f64 = f64::EPSILON * f64::EPSILON / 4.0;
 #[derive(Debug, Clone)]
 enum Column {
     /// Consecutive nodes, as in a bar.
-    Run { start: usize, entries: Vec<f64> },
+    Run {
+        start: usize,
+        entries: Vec<f64>,
+    },
     Scattered(SparseVector),
 }
 
@@ -321,5 +324,9 @@ impl Contacts {
 
 fn are_disjoint(pencil: &Pencil) -> bool {
     let mut touched = vec![false; pencil.size()];
-    pencil.gaps().iter().flat_map(|gap| &gap.column.0).all(|(i, _)| !std::mem::replace(&mut touched[*i as usize], true))
+    pencil
+        .gaps()
+        .iter()
+        .flat_map(|gap| &gap.column.0)
+        .all(|(i, _)| !std::mem::replace(&mut touched[*i as usize], true))
 }

@@ -29,9 +29,11 @@ impl Inertia {
         if mass.is_diagonal() {
             return Ok(Self::Lumped((0..n).map(|i| scale / mass.diagonal(i)).collect()));
         }
-        let lower = |i: usize| mass.row(i).filter(move |(j, _)| *j <= i).map(move |(j, a)| Triplet::new(i, j, a));
+        let lower =
+            |i: usize| mass.row(i).filter(move |(j, _)| *j <= i).map(move |(j, a)| Triplet::new(i, j, a));
         let triplets: Vec<_> = (0..n).flat_map(lower).collect();
-        let refused = |why: String| Refusal::new("mass", why, "a positive definite matrix that can be factored");
+        let refused =
+            |why: String| Refusal::new("mass", why, "a positive definite matrix that can be factored");
         let mass = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets);
         let factor = mass.map_err(|e| refused(format!("{e:?}")))?.sp_cholesky(Side::Lower);
         Ok(Self::Factored { factor: factor.map_err(|e| refused(format!("{e:?}")))?, scale })

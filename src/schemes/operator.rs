@@ -49,7 +49,11 @@ impl Stretch {
 enum Rows {
     Stretches(Vec<Stretch>),
     /// Of the stiffness of a pencil; the load is empty for none.
-    Sparse { pencil: Pencil, factor: Vec<f64>, load: Vec<f64> },
+    Sparse {
+        pencil: Pencil,
+        factor: Vec<f64>,
+        load: Vec<f64>,
+    },
 }
 
 impl Rows {

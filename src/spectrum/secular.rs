@@ -200,9 +200,8 @@ impl Rows<'_> {
     /// As `condense` from the right end to the left, with nothing carried.
     fn condense_backwards(&self, l: f64) -> Option<f64> {
         let last = self.stiffness.len() - 1;
-        let row = |i: usize| {
-            (self.stiffness[i] - l * self.mass[i], self.stiffness_off[i] - l * self.mass_off[i])
-        };
+        let row =
+            |i: usize| (self.stiffness[i] - l * self.mass[i], self.stiffness_off[i] - l * self.mass_off[i]);
         let first = self.stiffness[last] - l * self.mass[last];
         last_pivot(first, (0..last).rev().map(row), |pivot, _| pivot < 0.0)
     }

@@ -48,7 +48,9 @@ impl Step {
     pub fn upper(&self) -> f64 {
         match self.evidence {
             Evidence::LowerBound => f64::INFINITY,
-            Evidence::Proven | Evidence::Probability(_) => 2.0 / self.l.lower.sqrt() * (1.0 + 2.0 * f64::EPSILON),
+            Evidence::Proven | Evidence::Probability(_) => {
+                2.0 / self.l.lower.sqrt() * (1.0 + 2.0 * f64::EPSILON)
+            }
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use std::cell::Cell;
 
-use super::{Chain, Condensed, Enclosure, Engine, Segment, Uncertified, bisect, certify, sturm_backward_error};
+use super::{
+    Chain, Condensed, Enclosure, Engine, Segment, Uncertified, bisect, certify, sturm_backward_error,
+};
 use crate::pencil::{ChainPencil, Penalty, Terms, last_pivot};
 
 /// The nodes of one bar, as rows of the tridiagonal pencil. An elimination costs n divisions.

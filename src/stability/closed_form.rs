@@ -72,6 +72,11 @@ impl ClosedForm {
         t.is_finite().then_some(t)
     }
 
+    /// l_max without its proof: what the proof costs can then be measured.
+    pub fn unproven(&self, penalty: &Penalty) -> f64 {
+        penalty.with_terms(&self.scales, |terms| self.estimate(terms, None))
+    }
+
     /// Whether every eigenvalue lies below l.
     pub fn is_above_spectrum(&self, penalty: &Penalty, l: f64) -> bool {
         penalty.with_terms(&self.scales, |terms| self.is_above(terms, l))

@@ -201,7 +201,9 @@ impl Model {
     pub fn engine<'a>(&self, name: EngineName, pencil: &'a Pencil) -> Result<Box<dyn Engine + 'a>, Refusal> {
         self.check_engine(name)?;
         let chain = || {
-            pencil.chain().ok_or_else(|| Refusal::new("engine", name.text(), "dense, for what is no row of bars"))
+            pencil
+                .chain()
+                .ok_or_else(|| Refusal::new("engine", name.text(), "dense, for what is no row of bars"))
         };
         Ok(match name {
             EngineName::Auto | EngineName::ClosedForm => Box::new(self.closed_form()),

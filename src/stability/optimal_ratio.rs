@@ -9,7 +9,7 @@ use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::pencil::Penalty;
 use crate::scene::{Bar, End};
-use crate::spectrum::{Enclosure, Engine, StepLimit as _, Uncertified, bisect};
+use crate::spectrum::{Enclosure, StepLimit, Uncertified, bisect};
 
 /// The optimal ratio at one beta_s.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,12 +34,12 @@ pub struct Expectation {
 }
 
 impl Expectation {
-    /// The expectation for `model`, whose eigenvalues `engine` finds.
+    /// The expectation for `model`, whose contact-free `limit` is that of the spectrum.
     ///
     /// # Errors
     /// Passes on an eigenvalue that could not be certified.
-    pub fn of(model: &Model, engine: &dyn Engine) -> Result<Self, Uncertified> {
-        let contact_free = engine.enclose(&Penalty::NONE, None)?;
+    pub fn of(model: &Model, limit: &dyn StepLimit) -> Result<Self, Uncertified> {
+        let contact_free = limit.enclose(&Penalty::NONE, None)?.l;
         Ok(Self { contact_free, element_eigenvalue: model.reference_eigenvalue() })
     }
 
@@ -64,12 +64,12 @@ const LARGEST_RATIO: f64 = 1e12;
 /// Passes on an eigenvalue that could not be certified.
 pub fn optimal_ratio(
     model: &Model,
-    engine: &dyn Engine,
+    limit: &dyn StepLimit,
     expectation: &Expectation,
     beta_s: StiffnessPenalty,
 ) -> Result<Option<OptimalRatio>, Uncertified> {
     let free = expectation.contact_free;
-    let penalised = |r: Ratio| engine.enclose(&model.penalty(beta_s, r), None);
+    let penalised = |r: Ratio| limit.enclose(&model.penalty(beta_s, r), None).map(|step| step.l);
     let costs = |r: f64| match Ratio::new(r).map(penalised) {
         Ok(Ok(l)) => l.lower > free.upper,
         _ => false,

@@ -96,7 +96,11 @@ impl Search {
     ///
     /// # Errors
     /// As [`Search::to`].
-    pub fn for_prediction(tolerance: f64, scheme: &dyn Scheme, prediction: &Prediction) -> Result<Self, Refusal> {
+    pub fn for_prediction(
+        tolerance: f64,
+        scheme: &dyn Scheme,
+        prediction: &Prediction,
+    ) -> Result<Self, Refusal> {
         let usual = Self::to(tolerance, scheme)?;
         let needed = prediction.steps_needed.filter(|_| prediction.is_visible());
         // The bracket ends at half the tolerance above the prediction, and growth at least halves with the distance.
@@ -239,12 +243,7 @@ struct Trial {
 }
 
 impl<'a> Trials<'a> {
-    fn new(
-        model: &'a Model,
-        scheme: &'a dyn Scheme,
-        point: Point,
-        search: &Search,
-    ) -> Result<Self, Refusal> {
+    fn new(model: &'a Model, scheme: &'a dyn Scheme, point: Point, search: &Search) -> Result<Self, Refusal> {
         let search = search.checked()?;
         model.check(point.stiffness_penalty, point.ratio)?;
         let critical_step = contact_free_step(model)?;

@@ -12,8 +12,7 @@
 use super::case::{Case, Found};
 use super::short;
 use super::stepping::run;
-use crate::impact::Mesh;
-use crate::schemes::{ContactRule, Park, Scheme, Setup, Stepper};
+use crate::schemes::{ContactRule, SchemeName, System};
 use crate::spectrum::UNIT_ROUNDOFF;
 
 const STEPS: u64 = 1_000_000;
@@ -25,8 +24,8 @@ pub(super) fn cases() -> Vec<Case> {
     for courant in [1.0 - DISTANCE_FROM_LIMIT, 1.0 + DISTANCE_FROM_LIMIT] {
         for gamma in [0.0, 1.0] {
             let held = [
-                (Scheme::CentralDifference, ContactRule::HeldClosed),
-                (Scheme::PredictorCorrector, ContactRule::HeldOpen),
+                (SchemeName::CentralDifference, ContactRule::HeldClosed),
+                (SchemeName::PredictorCorrector, ContactRule::HeldOpen),
             ];
             cases.extend(held.map(|(scheme, rule)| case(scheme, rule, gamma, courant)));
         }
@@ -34,7 +33,7 @@ pub(super) fn cases() -> Vec<Case> {
     cases
 }
 
-fn case(scheme: Scheme, rule: ContactRule, gamma: f64, courant: f64) -> Case {
+fn case(scheme: SchemeName, rule: ContactRule, gamma: f64, courant: f64) -> Case {
     Case {
         name: format!("step-{}-{}-gamma-{}", short(courant), scheme.name(), short(gamma)),
         quantity: if courant > 1.0 { "ln of the growth" } else { "largest amplitude" },
@@ -51,32 +50,30 @@ fn case(scheme: Scheme, rule: ContactRule, gamma: f64, courant: f64) -> Case {
 }
 
 /// The largest and the last velocity of node 0, m/s.
-fn amplitude(scheme: Scheme, rule: ContactRule, gamma: f64, courant: f64) -> Result<(f64, f64), String> {
+fn amplitude(scheme: SchemeName, rule: ContactRule, gamma: f64, courant: f64) -> Result<(f64, f64), String> {
     let beta_s = 1e4;
     let run = run(scheme, gamma, beta_s, 0.0, 0.0)?;
-    let (model, mesh) = (run.model(), Mesh::new(run.model().scene()));
-    let pencil = model.pencil();
-    let mut stepper = Stepper::new(Setup {
+    let pencil = run.model().pencil();
+    let system = System {
         pencil: &pencil,
-        contacts: mesh.contacts(&pencil, run.penalties()),
+        penalty: run.penalty(),
         load: Vec::new(),
-        scheme,
         time_step: courant * run.critical_step(),
+        critical_step: run.critical_step(),
         rule,
-        park: Park { theta: 0.5, critical_step: run.critical_step() },
         account: false,
-    })
-    .map_err(|refusal| refusal.to_string())?;
+    };
     let mode = (0..pencil.size()).map(|node| if node % 2 == 0 { 1.0 } else { -1.0 }).collect();
-    let mut state = stepper.start(vec![0.0; pencil.size()], mode);
+    let motion = run.scheme().start(system, vec![0.0; pencil.size()], mode);
+    let mut motion = motion.map_err(|refusal| refusal.to_string())?;
     let mut largest = 0.0_f64;
     for _ in 0..STEPS {
-        stepper.step(&mut state);
-        let now = state.stored_velocity()[0].abs();
+        motion.step();
+        let now = motion.state().velocity[0].abs();
         if !now.is_finite() {
-            return Err(format!("the velocity became {now} after {} steps", state.steps()));
+            return Err(format!("the velocity became {now} after {} steps", motion.state().steps));
         }
         largest = largest.max(now);
     }
-    Ok((largest, state.stored_velocity()[0].abs()))
+    Ok((largest, motion.state().velocity[0].abs()))
 }

@@ -235,12 +235,11 @@ impl Point {
         let ratio = Ratio::new(self.ratio).map_err(text)?;
         let model = Model::new(scene, mass, PenaltyMass::Consistent);
         model.check(beta_s, ratio).map_err(text)?;
-        model.check_engine(engine).map_err(text)?;
-        let penalties = model.penalties(beta_s, ratio);
-        let pencil = engine.needs_pencil().then(|| model.pencil());
-        let l = model.engine(engine, pencil.as_ref()).enclose(&penalties, None).map_err(text)?;
+        let (penalty, pencil) = (model.penalty(beta_s, ratio), model.pencil());
+        let l = model.engine(engine, &pencil).map_err(text)?.enclose(&penalty, None).map_err(text)?;
         let short_pencil = assemble_shortened(model.scene(), mass);
-        let bounds = short_pencil.stiffness_bound(&penalties) + short_pencil.contact_bound(&penalties);
+        let bars = short_pencil.chain().ok_or("bars are a chain")?;
+        let bounds = bars.stiffness_bound(&bars.terms(&penalty)) + bars.contact_bound(&bars.terms(&penalty));
         let step = model.critical_step(l);
         let courant = (step.critical_courant, (step.lower, step.upper));
         let (value, enclosure) = match self.quantity {

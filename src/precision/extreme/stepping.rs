@@ -10,7 +10,7 @@ use crate::fem::MassMatrix;
 use crate::impact::{Ending, Recording, Run, Summary};
 use crate::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use crate::scene::{Bar, End, Impact, Scene};
-use crate::schemes::Scheme;
+use crate::schemes::SchemeName;
 use crate::spectrum::UNIT_ROUNDOFF;
 use crate::stability::Model;
 
@@ -20,7 +20,7 @@ const ELEMENTS: usize = 8;
 #[derive(Debug, Clone)]
 struct Shot {
     name: String,
-    scheme: Scheme,
+    scheme: SchemeName,
     gamma: f64,
     beta_s: f64,
     /// Initial distance of the wall, m; negative in penetration.
@@ -32,10 +32,10 @@ struct Shot {
 
 /// The extreme impacts.
 pub(super) fn cases() -> Vec<Case> {
-    Scheme::ALL.into_iter().flat_map(shots).flat_map(Shot::cases).collect()
+    SchemeName::ALL.into_iter().flat_map(shots).flat_map(Shot::cases).collect()
 }
 
-fn shots(scheme: Scheme) -> Vec<Shot> {
+fn shots(scheme: SchemeName) -> Vec<Shot> {
     let name = scheme.name();
     let shot = |what: &str, beta_s, distance, velocity, steps| Shot {
         name: format!("{what}-{name}"),
@@ -106,7 +106,7 @@ impl Shot {
 
 /// The bar of 8 unit elements before a wall.
 pub(super) fn run(
-    scheme: Scheme,
+    scheme: SchemeName,
     gamma: f64,
     beta_s: f64,
     distance: f64,

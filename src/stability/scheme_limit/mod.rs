@@ -94,7 +94,6 @@ use crate::pencil::{ChainPencil, Penalty, PenaltyMass, Pencil, Scale, Terms};
 use crate::schemes::SchemeName as Scheme;
 use crate::spectrum::{Enclosure, Engine, Flexibility, Step, StepLimit, UNIT_ROUNDOFF, Uncertified, certify};
 
-
 /// The limit of the predictor-corrector or the Park scheme with closed contacts, as l = 4/dt^2.
 pub struct SchemeLimit<'a> {
     scheme: Scheme,
@@ -133,16 +132,8 @@ impl<'a> SchemeLimit<'a> {
         let compliance = flexibility.of(0.0, 1.0).unwrap_or_default();
         let moments =
             (scheme == Scheme::Park).then(|| moments::Moments::new(chain, 4.0 / contact_free.value));
-        let limit = Self {
-            moments,
-            scheme,
-            theta,
-            pencil: chain,
-            flexibility,
-            compliance,
-            spectrum,
-            contact_free,
-        };
+        let limit =
+            Self { moments, scheme, theta, pencil: chain, flexibility, compliance, spectrum, contact_free };
         limit.check()?;
         Ok(limit)
     }
@@ -225,11 +216,7 @@ impl<'a> SchemeLimit<'a> {
     /// # Errors
     /// Refuses a step outside (0, 1], unlike contacts, and a beta_s so small that not even a pure penalty reaches
     /// dt^2 s' mu = 1: beta_s EA/h <= 1/(mu dt^2).
-    pub fn plastic_ratio(
-        &self,
-        beta_s: StiffnessPenalty,
-        relative_courant: f64,
-    ) -> Result<Ratio, Refusal> {
+    pub fn plastic_ratio(&self, beta_s: StiffnessPenalty, relative_courant: f64) -> Result<Ratio, Refusal> {
         if !(relative_courant > 0.0 && relative_courant <= 1.0) {
             return Err(Refusal::new("relative Courant number", relative_courant, "a number in (0, 1]"));
         }

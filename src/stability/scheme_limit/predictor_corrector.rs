@@ -6,10 +6,7 @@ use crate::schemes::SchemeName as Scheme;
 use crate::spectrum::{Enclosure, UNIT_ROUNDOFF, Uncertified, WIDEST_ENCLOSURE, certify};
 
 impl SchemeLimit<'_> {
-    pub(super) fn enclose_predictor_corrector(
-        &self,
-        terms: &[Terms],
-    ) -> Result<Enclosure, Uncertified> {
+    pub(super) fn enclose_predictor_corrector(&self, terms: &[Terms]) -> Result<Enclosure, Uncertified> {
         let q = self.contact_eigenvalue(terms);
         // 4 s' mu takes 5 roundings beside those of mu.
         let kappa = COMPLIANCE_ERROR + 6.0 * UNIT_ROUNDOFF;
