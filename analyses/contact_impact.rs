@@ -89,8 +89,9 @@ fn run(options: &Options) -> Result<Verdict> {
         let finished = execute(runs, &recording(options, &runs[0].run), &progress)?;
         rows.extend(finished.iter().map(FinishedRun::row));
         files += write(&finished, &output)?;
-        complete &= rows.iter().all(|row: &ImpactRow| row.ending == "finished");
-        if rows.iter().any(|row| row.ending.starts_with("stopped")) {
+        complete &= finished.len() == runs.len()
+            && finished.iter().all(|run| run.history.ending == Ending::Finished);
+        if finished.iter().any(|run| matches!(run.history.ending, Ending::Stopped { .. })) {
             break;
         }
     }
@@ -170,7 +171,7 @@ fn check_form(model: &Model, grid: &Grid) -> Result<(), Refusal> {
 /// The steps with their energies, and the stress at one time.
 fn recording(options: &Options, run: &Run) -> Recording {
     let stress_time = options.stress_at.unwrap_or_else(|| stress_time(run));
-    Recording { every: options.every, energies: true, stress_times: vec![stress_time] }
+    Recording { every: options.every, energies: true, compare: true, stress_times: vec![stress_time] }
 }
 
 /// A quarter into the first exact contact, where the wave is halfway through a bar.

@@ -74,7 +74,7 @@ fn run(options: &Options) -> Result<Verdict> {
     let progress = Progress::new(jobs.iter().map(Job::points).sum(), "points", options.output.quiet);
     for job in &jobs {
         let solved = job.solve(&options.limit, &progress)?;
-        let rows = |s: &Solved| StabilityRow::of(&s.model, options.limit.limit.name(), &s.curves, s.engine);
+        let rows = |s: &Solved| StabilityRow::of(&s.model, options.limit.limit.name(), &s.curves);
         let rows: Vec<Vec<StabilityRow>> = solved.iter().map(rows).collect();
         files += output.write_rows(&job.stem, &rows.concat())?.len();
         if output.wants_figures() {

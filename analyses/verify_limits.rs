@@ -227,7 +227,7 @@ impl Study {
         let pencil = model.pencil();
         let predictor = Predictor::new(model, &pencil, job.scheme, job.theta)?;
         let curves = map(model, &grid, predictor.engine(), &|_| ());
-        Ok(StabilityRow::of(model, job.scheme.name(), &curves, predictor.engine().name()))
+        Ok(StabilityRow::of(model, job.scheme.name(), &curves))
     }
 }
 

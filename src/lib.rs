@@ -97,6 +97,7 @@ pub mod cli;
 pub mod error;
 pub mod fem;
 pub mod impact;
+pub mod memory;
 pub mod penalty;
 pub mod pencil;
 #[cfg(feature = "plot")]

@@ -63,8 +63,6 @@ pub struct Solved {
     pub model: Model,
     /// Whose limit.
     pub limit: Limit,
-    /// Name of the engine that was used.
-    pub engine: &'static str,
     /// The map.
     pub curves: Vec<Curve>,
     /// The contact-free l_max.
@@ -142,7 +140,7 @@ impl Job {
         });
         let contact_free = engine.enclose(&vec![Default::default(); model.scales().len()], None);
         let (model, limit) = (model.clone(), limit.limit);
-        Ok(Solved { model, limit, engine: engine.name(), curves, contact_free, optimal, seconds })
+        Ok(Solved { model, limit, curves, contact_free, optimal, seconds })
     }
 
     fn curves(&self, model: &Model, engine: &dyn Engine, progress: &Progress) -> Vec<Curve> {

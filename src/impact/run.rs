@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::comparison::Comparison;
 use super::{Ending, History, Mesh, Recording, StressField};
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
@@ -128,7 +129,8 @@ impl Run {
     /// What [`Run::execute`] refuses before the first step: it depends on duration, step and recording together.
     ///
     /// # Errors
-    /// More than [`MAX_STEPS`] steps, a recording every 0 steps, and the stress at a time outside the run.
+    /// More than [`MAX_STEPS`] steps, a recording every 0 steps, more elements or rows than the memory holds, and the stress
+    /// at a time outside the run.
     pub fn check(&self, recording: &Recording) -> Result<(), Refusal> {
         let (duration, steps) = (self.duration, self.duration / self.time_step());
         if steps > MAX_STEPS {
@@ -138,6 +140,7 @@ impl Run {
         if recording.every == 0 {
             return Err(Refusal::new("steps between records", 0, "at least 1"));
         }
+        self.check_memory(recording)?;
         match recording.stress_times.iter().find(|time| !(0.0..=duration).contains(*time)) {
             Some(time) => {
                 let allowed = format!("a time in the run, from 0 to {duration:e} (s)");
@@ -235,6 +238,7 @@ impl Run {
         let last = stepper.energy(&mut state);
         let mut history = recorder.history;
         history.first_and_last[1] = last;
+        history.accuracy = recorder.comparison.map(Comparison::finish);
         history.switches = state.switches();
         history.steps = state.steps();
         history.ending = ending;
@@ -303,6 +307,7 @@ struct Recorder<'a> {
     /// Steps at which the stress is taken, in order.
     stress_steps: Vec<u64>,
     dt: f64,
+    comparison: Option<Comparison>,
     history: History,
 }
 
@@ -319,13 +324,16 @@ impl<'a> Recorder<'a> {
             relative_gap: Vec::new(),
             energy: Vec::new(),
             stress: Vec::new(),
+            accuracy: None,
             first_and_last: Default::default(),
             switches: 0,
             steps: 0,
             ending: Ending::Finished,
         };
         let lengths = mesh.contact_lengths(run.model.mass());
-        Self { recording, mesh, lengths, stress_steps, dt: run.time_step(), history }
+        let compared = lengths.first().filter(|_| recording.compare);
+        let comparison = compared.and_then(|length| Comparison::new(run, *length));
+        Self { recording, mesh, lengths, stress_steps, dt: run.time_step(), comparison, history }
     }
 
     fn note(&mut self, step: u64, last: bool, stepper: &mut Stepper, state: &mut State) {
@@ -333,6 +341,10 @@ impl<'a> Recorder<'a> {
         while self.stress_steps.get(self.history.stress.len()) == Some(&step) {
             let stress = self.mesh.stress(state.displacement());
             self.history.stress.push(StressField { time, stress });
+        }
+        if let Some(comparison) = &mut self.comparison {
+            stepper.synchronise(state);
+            comparison.note(time, state);
         }
         if !step.is_multiple_of(self.recording.every) && !last {
             return;

@@ -83,6 +83,15 @@ pub trait Engine: Sync {
     /// # Errors
     /// [`Uncertified`] if the enclosure is wider than [`WIDEST_ENCLOSURE`] or contradicts the value.
     fn enclose(&self, penalties: &[Penalty], start: Option<f64>) -> Result<Enclosure, Uncertified>;
+
+    /// As [`Engine::enclose`], with the name of the engine that found it: one that asks others names the last of them.
+    fn enclose_by(
+        &self,
+        penalties: &[Penalty],
+        start: Option<f64>,
+    ) -> (Result<Enclosure, Uncertified>, &'static str) {
+        (self.enclose(penalties, start), self.name())
+    }
 }
 
 /// The relative backward error of the sign of the computed last pivot of K - l M with its contacts.

@@ -13,6 +13,8 @@ pub struct Point {
     pub stiffness_penalty: StiffnessPenalty,
     /// The critical step, or why it could not be certified.
     pub step: Result<CriticalStep, Uncertified>,
+    /// The engine that found it.
+    pub engine: &'static str,
 }
 
 /// The points of one ratio, in the order of the stiffness penalties.
@@ -54,9 +56,9 @@ fn curve_piece(model: &Model, engine: &dyn Engine, ratio: Ratio, piece: &[Stiffn
     let (mut start, mut penalties) = (None, Vec::new());
     let solve = |beta_s: &StiffnessPenalty| {
         model.set_penalties(&mut penalties, *beta_s, ratio);
-        let enclosure = engine.enclose(&penalties, start);
+        let (enclosure, engine) = engine.enclose_by(&penalties, start);
         start = enclosure.as_ref().ok().map(|enclosure| enclosure.value);
-        Point { stiffness_penalty: *beta_s, step: enclosure.map(|l| model.critical_step(l)) }
+        Point { stiffness_penalty: *beta_s, step: enclosure.map(|l| model.critical_step(l)), engine }
     };
     piece.iter().map(solve).collect()
 }

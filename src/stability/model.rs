@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use super::{ClosedForm, Grid};
+use super::{Auto, ClosedForm, Grid};
 use crate::error::Refusal;
 use crate::fem::{MassMatrix, assemble};
 use crate::penalty::{ContactScale, PenaltyMass, Ratio, StiffnessPenalty, reference_bar};
@@ -13,7 +13,7 @@ use crate::spectrum::{Dense, Enclosure, Engine, MAX_DENSE_NODES, Secular, Sturm}
 /// The engines by the names that users type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EngineName {
-    /// The cheapest that is exact enough: `closed-form` for scenes of uniform bars.
+    /// `closed-form`, and point by point `sturm` where that certifies nothing.
     #[default]
     Auto,
     /// Wittrick-Williams on uniform bars, O(1) in the number of elements.
@@ -186,16 +186,17 @@ impl Model {
         Ok(())
     }
 
-    /// The engine called `name`. Engines that work on the pencil need it; without one, the closed form serves.
+    /// The engine called `name`. Those that [need the pencil](EngineName::needs_pencil) must be given it; without one,
+    /// `auto` serves.
     pub fn engine<'a>(&self, name: EngineName, pencil: Option<&'a Pencil>) -> Box<dyn Engine + 'a> {
-        let Some(pencil) = pencil else { return Box::new(ClosedForm::new(&self.scene, self.mass)) };
-        match name {
-            EngineName::Auto | EngineName::ClosedForm => Box::new(ClosedForm::new(&self.scene, self.mass)),
-            EngineName::Secular => Box::new(Secular::new(pencil)),
-            EngineName::Sturm => Box::new(Sturm::new(pencil)),
-            EngineName::Dense => Box::new(Dense::new(pencil)),
+        match (name, pencil) {
+            (EngineName::ClosedForm, _) => Box::new(ClosedForm::new(&self.scene, self.mass)),
+            (EngineName::Auto, _) | (_, None) => Box::new(Auto::new(&self.scene, self.mass)),
+            (EngineName::Secular, Some(pencil)) => Box::new(Secular::new(pencil)),
+            (EngineName::Sturm, Some(pencil)) => Box::new(Sturm::new(pencil)),
+            (EngineName::Dense, Some(pencil)) => Box::new(Dense::new(pencil)),
             #[cfg(feature = "lapack")]
-            EngineName::Lapack => Box::new(crate::spectrum::lapack::Lapack::new(pencil)),
+            (EngineName::Lapack, Some(pencil)) => Box::new(crate::spectrum::lapack::Lapack::new(pencil)),
         }
     }
 
