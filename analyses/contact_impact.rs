@@ -7,7 +7,7 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_stems,
+    FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_memory, check_stems,
     checked_grid, exact_energy, exact_force, exact_stress, execute, finish, print_impacts,
 };
 use bipenalty::error::{Refusal, Result};
@@ -53,7 +53,7 @@ struct Options {
     /// solution; without one, a sixth of the simulated time]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     stress_at: Option<f64>,
-    /// Keep every N-th step only, for long runs; the errors are then sampled as sparsely
+    /// Keep every N-th step only, for long runs; the errors are those of every step
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1)]
     every: u64,
     #[command(flatten)]
@@ -129,6 +129,8 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
             figures.push(runs);
         }
     }
+    let all: Vec<&PlannedRun> = figures.iter().flatten().collect();
+    check_memory(&all, |run| recording(options, run), options.output.stdout.is_none())?;
     check_stems(&options.output, figures.iter().flatten().map(PlannedRun::stem))?;
     Ok(figures)
 }
@@ -171,7 +173,10 @@ fn check_form(model: &Model, grid: &Grid) -> Result<(), Refusal> {
 /// The steps with their energies, and the stress at one time.
 fn recording(options: &Options, run: &Run) -> Recording {
     let stress_time = options.stress_at.unwrap_or_else(|| stress_time(run));
-    Recording { every: options.every, energies: true, compare: true, stress_times: vec![stress_time] }
+    // Standard output prints one line a run: no row is needed for it.
+    let every = if options.output.stdout.is_some() { u64::MAX } else { options.every };
+    let every = if options.every == 0 { 0 } else { every };
+    Recording { every, energies: true, compare: true, stress_times: vec![stress_time] }
 }
 
 /// A quarter into the first exact contact, where the wave is halfway through a bar.

@@ -76,6 +76,10 @@ pub struct Solved {
 /// Curves up to this many ratios; more are drawn as a map.
 const MOST_CURVES: usize = 12;
 
+/// Bytes of a point: as found (72, twice), its record (230, three times on the way to standard output), its line of text
+/// (up to 250, in a vector that doubles), and the cells of its line for the record of a figure (13 of 24 and up to 32).
+const BYTES_PER_POINT: u64 = 2200;
+
 impl Job {
     /// The job of one figure; refuses what the models cannot hold.
     ///
@@ -83,6 +87,7 @@ impl Job {
     /// A grid that is empty, too large, or whose penalties leave the range of f64.
     pub fn new(stem: String, models: Vec<Model>, beta_s: Axis, ratio: Axis) -> Result<Self, Refusal> {
         let grid = checked_grid(&beta_s, &ratio)?;
+        grid.require_memory(BYTES_PER_POINT * models.len() as u64).map_err(by_option)?;
         for model in &models {
             model.check_grid(&grid)?;
         }
@@ -96,6 +101,7 @@ impl Job {
     /// # Errors
     /// What [`SchemeLimit::plastic_ratio`] and [`Job::new`] refuse.
     pub fn plastic(stem: String, model: Model, beta_s: Axis, relative_courant: f64) -> Result<Self, Refusal> {
+        model.check_pencil()?;
         let pencil = model.pencil();
         let limit = SchemeLimit::new(&model, &pencil, Scheme::PredictorCorrector, 0.5)?;
         let ratio = |beta_s: &f64| {
@@ -186,14 +192,16 @@ impl Job {
 /// # Errors
 /// See [`Grid::new`].
 pub fn checked_grid(beta_s: &Axis, ratio: &Axis) -> Result<Grid, Refusal> {
-    Grid::new(beta_s, ratio).map_err(|refusal| {
-        let place = match refusal.place.as_str() {
-            "beta_s" => "--beta-s",
-            "r" => "--ratio",
-            _ => "--beta-s, --ratio",
-        };
-        Refusal { place: place.to_owned(), ..refusal }
-    })
+    Grid::new(beta_s, ratio).map_err(by_option)
+}
+
+fn by_option(refusal: Refusal) -> Refusal {
+    let place = match refusal.place.as_str() {
+        "beta_s" => "--beta-s",
+        "r" => "--ratio",
+        _ => "--beta-s, --ratio",
+    };
+    Refusal { place: place.to_owned(), ..refusal }
 }
 
 /// How the limit of a scheme is found for `model`.

@@ -80,6 +80,7 @@ impl OpeningPlan {
         let mut plan = Self { cases: Vec::new(), left_out: 0 };
         for model in models {
             model.check_grid(grid)?;
+            model.check_pencil()?;
             let pencil = model.pencil();
             for scheme in schemes {
                 let limit = LinearLimit::new(model, &pencil, *scheme, theta)?;

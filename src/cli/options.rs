@@ -173,6 +173,7 @@ impl LimitOptions {
         if self.engine != EngineName::Auto {
             return Err(Refusal::new("--engine", self.engine.text(), format!("auto with {place}")));
         }
+        model.check_pencil()?;
         SchemeLimit::new(model, &model.pencil(), scheme, self.theta()).map(|_| ())
     }
 

@@ -29,7 +29,7 @@ impl Run {
     }
 
     /// Bytes of a row.
-    fn row_bytes(&self, recording: &Recording) -> u64 {
+    pub fn row_bytes(&self, recording: &Recording) -> u64 {
         let energies = if recording.energies { size_of::<Energy>() } else { 0 };
         (8 + 16 * self.penalties().len() + energies) as u64
     }
@@ -46,14 +46,15 @@ impl Run {
         let every = ("steps between records", &*recording.every.to_string());
         let all = working + self.history_bytes(recording);
         memory::require(every, &format!("{} rows", self.rows(recording)), all, |available| {
-            least_every(self.steps(), row, available.saturating_sub(working + stresses))
+            least_every(self.steps(), 1, row, available.saturating_sub(working + stresses))
         })
     }
 }
 
-/// The steps between records with which rows of `row_bytes` fit into `available` bytes, in words.
-pub fn least_every(steps: u64, row_bytes: u64, available: u64) -> String {
-    match (available / row_bytes.max(1)).saturating_sub(2) {
+/// The steps between records with which the rows of `runs` runs, `row_bytes` each, fit into `available` bytes, in words;
+/// `steps` are those of all runs.
+pub fn least_every(steps: u64, runs: u64, row_bytes: u64, available: u64) -> String {
+    match (available / row_bytes.max(1)).saturating_sub(2 * runs) {
         0 => "fewer elements or fewer runs at once".to_owned(),
         rows => format!("at least {} steps", steps.div_ceil(rows)),
     }

@@ -4,7 +4,8 @@ use std::str::FromStr;
 
 use super::{Auto, ClosedForm, Grid};
 use crate::error::Refusal;
-use crate::fem::{MassMatrix, assemble};
+use crate::fem::{MassMatrix, assemble, pencil_bytes};
+use crate::memory;
 use crate::penalty::{ContactScale, PenaltyMass, Ratio, StiffnessPenalty, reference_bar};
 use crate::pencil::{Penalty, Pencil};
 use crate::scene::Scene;
@@ -173,17 +174,29 @@ impl Model {
         Ok(())
     }
 
+    /// Refuses a scene whose pencil the memory does not hold.
+    ///
+    /// # Errors
+    /// Names the bytes needed and the number of elements that fit.
+    pub fn check_pencil(&self) -> Result<(), Refusal> {
+        let (elements, bytes) = (self.scene.elements(), pencil_bytes(&self.scene));
+        let place = (&*format!("scene {}, elements", self.scene.name()), &*elements.to_string());
+        memory::require(place, "matrices", bytes, |left| {
+            format!("at most {} elements", left / bytes.div_ceil(elements as u64))
+        })
+    }
+
     /// Refuses an engine that cannot hold the scene.
     ///
     /// # Errors
-    /// The dense engines beyond [`MAX_DENSE_NODES`].
+    /// The dense engines beyond [`MAX_DENSE_NODES`], and those that need a pencil as [`Model::check_pencil`].
     pub fn check_engine(&self, engine: EngineName) -> Result<(), Refusal> {
         let nodes = self.scene.elements() + self.scene.bars().len();
         if engine.is_dense() && nodes > MAX_DENSE_NODES {
             let value = format!("{} with {nodes} nodes", engine.text());
             return Err(Refusal::new("--engine", value, format!("at most {MAX_DENSE_NODES} nodes, or auto")));
         }
-        Ok(())
+        if engine.needs_pencil() { self.check_pencil() } else { Ok(()) }
     }
 
     /// The engine called `name`. Those that [need the pencil](EngineName::needs_pencil) must be given it; without one,
