@@ -7,8 +7,8 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_memory, check_stems,
-    checked_grid, exact_energy, exact_force, exact_stress, execute, finish, print_impacts,
+    FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_memory,
+    check_stems, checked_grid, exact_energy, exact_force, exact_stress, execute, finish, print_impacts,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::impact::{Ending, Exact, Recording, Run};
@@ -89,8 +89,8 @@ fn run(options: &Options) -> Result<Verdict> {
         let finished = execute(runs, &recording(options, &runs[0].run), &progress)?;
         rows.extend(finished.iter().map(FinishedRun::row));
         files += write(&finished, &output)?;
-        complete &= finished.len() == runs.len()
-            && finished.iter().all(|run| run.history.ending == Ending::Finished);
+        complete &=
+            finished.len() == runs.len() && finished.iter().all(|run| run.history.ending == Ending::Finished);
         if finished.iter().any(|run| matches!(run.history.ending, Ending::Stopped { .. })) {
             break;
         }

@@ -38,7 +38,8 @@ pub fn require(
     if bytes <= available {
         return Ok(());
     }
-    let value = format!("{value}, whose {what} need {bytes} bytes of memory where {available} are available,");
+    let value =
+        format!("{value}, whose {what} need {bytes} bytes of memory where {available} are available,");
     Err(Refusal::new(place, value, allowed(available)))
 }
 
@@ -74,7 +75,8 @@ mod tests {
 
     #[test]
     fn lines_of_the_system_are_read() {
-        let text = "Max cpu time  unlimited  unlimited  seconds\nMax address space  8192000000  unlimited  bytes\n";
+        let text =
+            "Max cpu time  unlimited  unlimited  seconds\nMax address space  8192000000  unlimited  bytes\n";
         assert_eq!(field(text, "Max address space"), Some(8_192_000_000));
         assert_eq!(field("Max address space  unlimited  unlimited  bytes", "Max address space"), None);
         assert_eq!(field("MemTotal: 9 kB\nMemAvailable:   23 kB\n", "MemAvailable:"), Some(23));
@@ -84,6 +86,9 @@ mod tests {
     fn too_much_is_refused_with_its_bytes() {
         assert!(require(("here", "1"), "rows", 1, |_| String::new()).is_ok());
         let refusal = require(("here", "9"), "rows", u64::MAX, |left| format!("{}", left > 0)).unwrap_err();
-        assert!(refusal.value.contains("18446744073709551615 bytes") && refusal.allowed == "true", "{refusal}");
+        assert!(
+            refusal.value.contains("18446744073709551615 bytes") && refusal.allowed == "true",
+            "{refusal}"
+        );
     }
 }

@@ -164,7 +164,11 @@ fn several_contacts_open_and_close_the_same_in_a_mirror() {
                 let beta_s = StiffnessPenalty::new(3.0).unwrap();
                 let run = Run::new(model, scheme, beta_s, Ratio::OPTIMAL).unwrap();
                 let run = run.with_relative_courant(0.2).unwrap();
-                run.execute(&Recording { every: 1, energies: true, compare: false, stress_times: Vec::new() }, None).unwrap()
+                run.execute(
+                    &Recording { every: 1, energies: true, compare: false, stress_times: Vec::new() },
+                    None,
+                )
+                .unwrap()
             });
             let [history, mirror] = &histories;
             assert!(history.switches > 8, "{} {}: {}", mass.name(), scheme.name(), history.switches);

@@ -27,7 +27,13 @@ impl Summary {
         let none = Accuracy { force_error: None, steady_relative_gap: None };
         if matches!(history.ending, Ending::BlewUp { .. }) {
             let Accuracy { force_error, steady_relative_gap } = none;
-            return Self { force_error, steady_relative_gap, energy_ratio: None, more_energy: false, switches };
+            return Self {
+                force_error,
+                steady_relative_gap,
+                energy_ratio: None,
+                more_energy: false,
+                switches,
+            };
         }
         let Accuracy { force_error, steady_relative_gap } = history.accuracy.unwrap_or(none);
         let energy = energy_ratio(run, history);
