@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use bipenalty::cli::{
     FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_memory,
     check_stems, checked_grid, exact_energy, exact_force, exact_stress, execute, finish, print_impacts,
+    require_memory,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::impact::{Ending, Exact, Recording, Run};
@@ -59,6 +60,9 @@ struct Options {
     #[command(flatten)]
     output: OutputOptions,
 }
+
+/// Bytes of a run that is planned (500 for three bars, twice), and of its line.
+const BYTES_PER_RUN: u64 = 2000;
 
 const EXAMPLES: &str = "Examples:
   contact-impact                                  the impacts of the paper
@@ -112,6 +116,7 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
         asked.scenes = ["signorini", "hunek", "bouncing-bar"].map(str::to_owned).to_vec();
     }
     let grid = checked_grid(&options.beta_s, &options.ratio)?;
+    require_memory(&grid, BYTES_PER_RUN * options.scheme.len() as u64)?;
     let mut figures = Vec::new();
     for model in asked.scenes()?.iter().flat_map(|scene| asked.models(scene)) {
         check_has_contact(&model)?;

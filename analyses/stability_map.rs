@@ -70,6 +70,7 @@ fn run(options: &Options) -> Result<Verdict> {
         Output::print_text(&plan)?;
         return Ok(Verdict::Holds);
     }
+    jobs.iter().try_for_each(Job::require_memory)?;
     let (mut summaries, mut answers, mut printed, mut files) = (Vec::new(), Vec::new(), Vec::new(), 0);
     let progress = Progress::new(jobs.iter().map(Job::points).sum(), "points", options.output.quiet);
     for job in &jobs {

@@ -11,7 +11,7 @@ use std::process::ExitCode;
 
 use bipenalty::cli::{
     Contact, OpeningOptions, OpeningPlan, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments,
-    check_stems, checked_grid, finish, print_verification,
+    check_stems, checked_grid, finish, print_verification, require_memory,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::verify_charts;
@@ -60,6 +60,9 @@ struct Options {
     #[command(flatten)]
     output: OutputOptions,
 }
+
+/// Bytes of a point of the grid: up to 60 planned runs of 500, each with its row.
+const BYTES_PER_CASE: u64 = 60_000;
 
 const EXAMPLES: &str = "Examples:
   verify-limits                                   the points of Fig. 3, into figures/verify-limits/
@@ -165,6 +168,7 @@ fn scenes(options: &Options, names: [&str; 2], elements: Option<usize>) -> Resul
 fn plan_opening(options: &Options) -> Result<OpeningPlan> {
     let (beta_s, ratio) = axes(options, Contact::Opening)?;
     let grid = checked_grid(&beta_s, &ratio)?;
+    require_memory(&grid, BYTES_PER_CASE)?;
     let models: Vec<Model> = scenes(options, ["signorini", "hunek"], None)?
         .iter()
         .flat_map(|scene| options.scene.models(scene))
@@ -187,6 +191,7 @@ impl Study {
     fn new(options: &Options) -> Result<Self> {
         let (beta_s, ratio) = axes(options, Contact::Closed)?;
         let grid = checked_grid(&beta_s, &ratio)?;
+        require_memory(&grid, BYTES_PER_CASE)?;
         let jobs = plan(options, &grid)?;
         Ok(Self { beta_s, ratio, grid, jobs })
     }

@@ -87,7 +87,6 @@ impl Job {
     /// A grid that is empty, too large, or whose penalties leave the range of f64.
     pub fn new(stem: String, models: Vec<Model>, beta_s: Axis, ratio: Axis) -> Result<Self, Refusal> {
         let grid = checked_grid(&beta_s, &ratio)?;
-        grid.require_memory(BYTES_PER_POINT * models.len() as u64).map_err(by_option)?;
         for model in &models {
             model.check_grid(&grid)?;
         }
@@ -117,6 +116,14 @@ impl Job {
     pub fn points(&self) -> usize {
         let points = if self.paired { self.grid.ratios.len() } else { self.grid.len() };
         points * self.models.len()
+    }
+
+    /// Refuses maps whose records the memory does not hold.
+    ///
+    /// # Errors
+    /// See [`Grid::require_memory`].
+    pub fn require_memory(&self) -> Result<(), Refusal> {
+        require_memory(&self.grid, BYTES_PER_POINT * self.models.len() as u64)
     }
 
     /// Computes the maps of all models, certified.
@@ -193,6 +200,14 @@ impl Job {
 /// See [`Grid::new`].
 pub fn checked_grid(beta_s: &Axis, ratio: &Axis) -> Result<Grid, Refusal> {
     Grid::new(beta_s, ratio).map_err(by_option)
+}
+
+/// Refuses a grid whose points, of `bytes` each, the memory does not hold, by the options that the user typed.
+///
+/// # Errors
+/// See [`Grid::require_memory`].
+pub fn require_memory(grid: &Grid, bytes: u64) -> Result<(), Refusal> {
+    grid.require_memory(bytes).map_err(by_option)
 }
 
 fn by_option(refusal: Refusal) -> Refusal {
