@@ -16,7 +16,7 @@ fn auto_certifies_rows_of_identical_bars() {
     let mut fell_back = 0;
     for (bars, elements, contrast) in [(36, 4, 1.0), (36, 1, 1.0), (150, 2, 1.0), (24, 3, 1e9)] {
         let bar = |i: usize| {
-            let stiffness = if i % 2 == 0 { 1.0 } else { contrast };
+            let stiffness = if i.is_multiple_of(2) { 1.0 } else { contrast };
             format!("elements = {elements}\nyoungs_modulus = {stiffness:e}")
         };
         let texts: Vec<String> = (0..bars).map(bar).collect();
