@@ -7,8 +7,9 @@
 use std::process::ExitCode;
 
 use bipenalty::cli::{
-    FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_stems,
-    checked_grid, exact_energy, exact_force, exact_stress, execute, finish, print_impacts,
+    FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_memory,
+    check_stems, checked_grid, exact_energy, exact_force, exact_stress, execute, finish, print_impacts,
+    require_memory,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::impact::{Ending, Exact, Recording, Run};
@@ -53,12 +54,15 @@ struct Options {
     /// solution; without one, a sixth of the simulated time]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     stress_at: Option<f64>,
-    /// Keep every N-th step only, for long runs; the errors are then sampled as sparsely
+    /// Keep every N-th step only, for long runs; the errors are those of every step
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1)]
     every: u64,
     #[command(flatten)]
     output: OutputOptions,
 }
+
+/// Bytes of a run that is planned (500 for three bars, twice), and of its line.
+const BYTES_PER_RUN: u64 = 2000;
 
 const EXAMPLES: &str = "Examples:
   contact-impact                                  the impacts of the paper
@@ -89,8 +93,9 @@ fn run(options: &Options) -> Result<Verdict> {
         let finished = execute(runs, &recording(options, &runs[0].run), &progress)?;
         rows.extend(finished.iter().map(FinishedRun::row));
         files += write(&finished, &output)?;
-        complete &= rows.iter().all(|row: &ImpactRow| row.ending == "finished");
-        if rows.iter().any(|row| row.ending.starts_with("stopped")) {
+        complete &=
+            finished.len() == runs.len() && finished.iter().all(|run| run.history.ending == Ending::Finished);
+        if finished.iter().any(|run| matches!(run.history.ending, Ending::Stopped { .. })) {
             break;
         }
     }
@@ -111,6 +116,7 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
         asked.scenes = ["signorini", "hunek", "bouncing-bar"].map(str::to_owned).to_vec();
     }
     let grid = checked_grid(&options.beta_s, &options.ratio)?;
+    require_memory(&grid, BYTES_PER_RUN * options.scheme.len() as u64)?;
     let mut figures = Vec::new();
     for model in asked.scenes()?.iter().flat_map(|scene| asked.models(scene)) {
         check_has_contact(&model)?;
@@ -130,6 +136,8 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
             figures.push(runs);
         }
     }
+    let all: Vec<&PlannedRun> = figures.iter().flatten().collect();
+    check_memory(&all, |run| recording(options, run), options.output.stdout.is_none())?;
     check_stems(&options.output, figures.iter().flatten().map(PlannedRun::stem))?;
     Ok(figures)
 }
@@ -171,7 +179,10 @@ fn check_form(model: &Model, grid: &Grid) -> Result<(), Refusal> {
 /// The steps with their energies, and the stress at one time.
 fn recording(options: &Options, run: &Run) -> Recording {
     let stress_time = options.stress_at.unwrap_or_else(|| stress_time(run));
-    Recording { every: options.every, energies: true, stress_times: vec![stress_time] }
+    // Standard output prints one line a run: no row is needed for it.
+    let every = if options.output.stdout.is_some() { u64::MAX } else { options.every };
+    let every = if options.every == 0 { 0 } else { every };
+    Recording { every, energies: true, compare: true, stress_times: vec![stress_time] }
 }
 
 /// A quarter into the first exact contact, where the wave is halfway through a bar.

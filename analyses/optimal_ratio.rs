@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use bipenalty::cli::{
     LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments, check_stems,
-    checked_grid, finish, print_table, redraw_optimal_ratio, tabulate_ratios,
+    checked_grid, finish, print_table, redraw_optimal_ratio, require_memory, tabulate_ratios,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::penalty::StiffnessPenalty;
@@ -68,6 +68,8 @@ fn run(options: &Options) -> Result<Verdict> {
     let models = plan(options)?;
     let output = Output::prepare(&options.output, "optimal-ratio")?;
     let grid = checked_grid(&options.beta_s, &Axis::list([1.0, 1e12]))?;
+    // A row with its text and its cells.
+    require_memory(&grid, 2000)?;
     models.iter().flatten().try_for_each(|model| model.check_grid(&grid))?;
     if options.output.explain {
         let plan: String = models.iter().flatten().map(|model| explain(model, options, &grid)).collect();

@@ -129,7 +129,7 @@ fn figures(model: &Model) -> Result<Vec<Job>> {
 fn solve(job: &Job, model: &Model, theta: f64, progress: &Progress) -> Result<Vec<Vec<StabilityRow>>> {
     let panel = |limit: Limit| {
         let solved: Vec<Solved> = job.solve(&settings(limit, theta), progress)?;
-        let of = |s: &Solved| StabilityRow::of(model, limit.name(), &s.curves, s.engine);
+        let of = |s: &Solved| StabilityRow::of(model, limit.name(), &s.curves);
         Ok(solved.iter().flat_map(of).collect())
     };
     limits(job).map(panel).collect()

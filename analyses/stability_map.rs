@@ -1,4 +1,4 @@
-//! Which time step is stable, and what does the contact penalty do to it?
+//! How large is the linear limit of closed contact, and what does the contact penalty do to it?
 //!
 //! For every scene and mass matrix the largest eigenvalue of the bi-penalised pencil is found on a grid of the
 //! stiffness penalty beta_s and the ratio r, with an enclosure, and 2/omega_max is drawn as the critical Courant
@@ -48,7 +48,7 @@ const FEW_POINTS: usize = 8;
 
 const EXAMPLES: &str = "Examples:
   stability-map                                     the charts of the paper and maps beyond it
-  stability-map my-bars.toml --beta-s 10 --ratio 1  which time step is safe for my bars
+  stability-map my-bars.toml --beta-s 10 --ratio 1  the linear limit of closed contact of my bars
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
   stability-map hunek --limit predictor-corrector --beta-s 1e6 --ratio plastic
@@ -70,11 +70,12 @@ fn run(options: &Options) -> Result<Verdict> {
         Output::print_text(&plan)?;
         return Ok(Verdict::Holds);
     }
+    jobs.iter().try_for_each(Job::require_memory)?;
     let (mut summaries, mut answers, mut printed, mut files) = (Vec::new(), Vec::new(), Vec::new(), 0);
     let progress = Progress::new(jobs.iter().map(Job::points).sum(), "points", options.output.quiet);
     for job in &jobs {
         let solved = job.solve(&options.limit, &progress)?;
-        let rows = |s: &Solved| StabilityRow::of(&s.model, options.limit.limit.name(), &s.curves, s.engine);
+        let rows = |s: &Solved| StabilityRow::of(&s.model, options.limit.limit.name(), &s.curves);
         let rows: Vec<Vec<StabilityRow>> = solved.iter().map(rows).collect();
         files += output.write_rows(&job.stem, &rows.concat())?.len();
         if output.wants_figures() {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use bipenalty::cli::{
     Contact, OpeningOptions, OpeningPlan, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments,
-    check_stems, checked_grid, finish, print_verification,
+    check_stems, checked_grid, finish, print_verification, require_memory,
 };
 use bipenalty::error::{Refusal, Result};
 use bipenalty::plot::verify_charts;
@@ -61,6 +61,9 @@ struct Options {
     #[command(flatten)]
     output: OutputOptions,
 }
+
+/// Bytes of a point of the grid: up to 60 planned runs of 500, each with its row.
+const BYTES_PER_CASE: u64 = 60_000;
 
 const EXAMPLES: &str = "Examples:
   verify-limits                                   the points of Fig. 3, into figures/verify-limits/
@@ -165,6 +168,7 @@ fn scenes(options: &Options, names: [&str; 2], elements: Option<usize>) -> Resul
 fn plan_opening(options: &Options) -> Result<OpeningPlan> {
     let (beta_s, ratio) = axes(options, Contact::Opening)?;
     let grid = checked_grid(&beta_s, &ratio)?;
+    require_memory(&grid, BYTES_PER_CASE)?;
     let models: Vec<Model> = scenes(options, ["signorini", "hunek"], None)?
         .iter()
         .flat_map(|scene| options.scene.models(scene))
@@ -187,6 +191,7 @@ impl Study {
     fn new(options: &Options) -> Result<Self> {
         let (beta_s, ratio) = axes(options, Contact::Closed)?;
         let grid = checked_grid(&beta_s, &ratio)?;
+        require_memory(&grid, BYTES_PER_CASE)?;
         let jobs = plan(options, &grid)?;
         Ok(Self { beta_s, ratio, grid, jobs })
     }
@@ -227,7 +232,7 @@ impl Study {
         let pencil = model.pencil();
         let predictor = Predictor::new(model, &pencil, &*job.scheme)?;
         let curves = map(model, &grid, predictor.limit(), &|_| ());
-        Ok(StabilityRow::of(model, job.scheme.facts().name, &curves, predictor.limit().name()))
+        Ok(StabilityRow::of(model, job.scheme.facts().name, &curves))
     }
 }
 

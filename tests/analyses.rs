@@ -102,7 +102,7 @@ fn every_contact_has_its_history() {
     let out = run(CONTACT_IMPACT, &directory, arguments);
     assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
     let read = |name: &str| std::fs::read_to_string(directory.join("out").join(name)).unwrap();
-    let header = "time,contact_force,relative_gap,kinetic_energy,strain_energy,contact_work";
+    let header = "time,contact_force,relative_gap,kinetic_energy,strain_energy,contact_work,penalty_energy,body_work,loss";
     for name in ["three-lumped-park-beta10-r1.csv", "three-lumped-park-beta10-r1-contact2.csv"] {
         assert_eq!(read(name).lines().next().unwrap(), header);
     }

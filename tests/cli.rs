@@ -168,7 +168,7 @@ fn quiet_is_silent_and_loud_answers_the_question() {
     }
     let loud = run(&scratch, point);
     // h = 0.2 and c0 = 100, so dt = 2e-3 s, less the margin of the enclosure.
-    assert!(loud.stderr.contains("stable up to dt = 1.99999999999"), "{}", loud.stderr);
+    assert!(loud.stderr.contains("linear limit of closed contact dt = 1.99999999999"), "{}", loud.stderr);
 }
 
 #[test]

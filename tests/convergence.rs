@@ -16,7 +16,7 @@ fn errors(elements: usize, mass: MassMatrix, scheme: Scheme, beta_s: f64) -> [f6
     let scene = built_in("signorini").unwrap().unwrap().with_elements(elements).unwrap();
     let model = Model::new(scene.clone(), mass, PenaltyMass::Consistent);
     let run = Run::new(model, scheme, StiffnessPenalty::new(beta_s).unwrap(), Ratio::OPTIMAL).unwrap();
-    let recording = Recording { every: 1, energies: false, stress_times: vec![0.05] };
+    let recording = Recording { every: 1, energies: false, compare: true, stress_times: vec![0.05] };
     let history = run.execute(&recording, None).unwrap();
     let force = Summary::of(&run, &history).force_error.unwrap();
     let exact = Exact::of(&scene, run.duration()).unwrap();

@@ -7,17 +7,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 16] = [
+const MAY_NAME: [(&str, &[&str]); 17] = [
     ("error", &["plot"]), // the error of a figure carries what the drawing layer said
+    ("memory", &["error"]),
     ("scene", &["error"]),
     ("fem", &["error", "scene", "pencil"]),
     ("pencil", &[]),
     ("sparse", &[]),
     ("penalty", &["error", "scene", "fem", "pencil"]),
     ("spectrum", &["error", "pencil"]),
-    ("stability", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit
+    ("stability", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit
     ("schemes", &["error", "pencil"]),
-    ("impact", &["error", "scene", "fem", "pencil", "penalty", "schemes", "stability"]),
+    ("impact", &["error", "memory", "scene", "fem", "pencil", "penalty", "schemes", "stability"]),
     ("verify", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "stability", "schemes", "impact"]),
     (
         "precision",
@@ -44,6 +45,7 @@ const MAY_NAME: [(&str, &[&str]); 16] = [
         "cli",
         &[
             "error",
+            "memory",
             "scene",
             "fem",
             "pencil",

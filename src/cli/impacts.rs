@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use super::Progress;
 use super::summary::short;
 use crate::error::{Error, Refusal, Result};
-use crate::impact::{self, Exact, History, Mesh, Recording, Run};
+use crate::impact::{self, Exact, History, Mesh, Recording, Run, least_every};
+use crate::memory;
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::plot::impact_charts::{ExactLine, RunRecord};
 use crate::record::{HistoryRow, ImpactRow, StressRow};
@@ -70,6 +71,43 @@ impl FinishedRun {
             stress: self.stress(),
         }
     }
+}
+
+/// Bytes of a row of the files of one contact: the record (72), its line of text (up to 260, in a vector that doubles), and
+/// for the record of a figure its cells (9 of 24 and up to 32), of which all figures together keep a copy.
+const BYTES_PER_WRITTEN_ROW: u64 = 1700;
+
+/// Refuses runs whose histories and records the memory does not hold together, before any of them starts; `written`: rows
+/// go to files.
+///
+/// # Errors
+/// Names the bytes needed, and the steps between records that fit.
+pub fn check_memory(
+    planned: &[&PlannedRun],
+    recording: impl Fn(&Run) -> Recording,
+    written: bool,
+) -> Result<(), Refusal> {
+    let (mut working, mut fixed, mut rows, mut row_bytes, mut steps) = (0, 0, 0, 0, 0);
+    for PlannedRun { run, .. } in planned {
+        let recording = recording(run);
+        let files = if written { BYTES_PER_WRITTEN_ROW * run.model().scales().len() as u64 } else { 0 };
+        let stress = 8 + if written { BYTES_PER_WRITTEN_ROW } else { 0 };
+        working = run.working_bytes().max(working);
+        fixed += stress * (recording.stress_times.len() * run.model().scene().elements()) as u64;
+        rows += run.rows(&recording);
+        row_bytes = (run.row_bytes(&recording) + files).max(row_bytes);
+        steps += run.steps();
+    }
+    // Not asked of rayon, whose threads are counted later.
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let together = cores.min(planned.len()) as u64;
+    fixed += working * together;
+    let all = fixed + rows * row_bytes;
+    let every = planned.first().map_or(1, |planned| recording(&planned.run).every);
+    let what = format!("{rows} rows and {together} runs at once");
+    memory::require(("--every", &every.to_string()), &what, all, |available| {
+        least_every(steps, planned.len() as u64, row_bytes, available.saturating_sub(fixed))
+    })
 }
 
 /// Raised by Ctrl-C.

@@ -64,8 +64,6 @@ pub struct Solved {
     pub model: Model,
     /// Whose limit.
     pub limit: Limit,
-    /// Name of the engine that was used.
-    pub engine: &'static str,
     /// The map.
     pub curves: Vec<Curve>,
     /// The contact-free l_max.
@@ -78,6 +76,10 @@ pub struct Solved {
 
 /// Curves up to this many ratios; more are drawn as a map.
 const MOST_CURVES: usize = 12;
+
+/// Bytes of a point: as found (72, twice), its record (230, three times on the way to standard output), its line of text
+/// (up to 250, in a vector that doubles), and the cells of its line for the record of a figure (13 of 24 and up to 32).
+const BYTES_PER_POINT: u64 = 2200;
 
 impl Job {
     /// The job of one figure; refuses what the models cannot hold.
@@ -99,6 +101,7 @@ impl Job {
     /// # Errors
     /// What [`SchemeLimit::plastic_ratio`] and [`Job::new`] refuse.
     pub fn plastic(stem: String, model: Model, beta_s: Axis, relative_courant: f64) -> Result<Self, Refusal> {
+        model.check_pencil()?;
         let pencil = model.pencil();
         let limit =
             SchemeLimit::new(&pencil, Box::new(model.closed_form()), SchemeName::PredictorCorrector, 0.5)?;
@@ -115,6 +118,14 @@ impl Job {
     pub fn points(&self) -> usize {
         let points = if self.paired { self.grid.ratios.len() } else { self.grid.len() };
         points * self.models.len()
+    }
+
+    /// Refuses maps whose records the memory does not hold.
+    ///
+    /// # Errors
+    /// See [`Grid::require_memory`].
+    pub fn require_memory(&self) -> Result<(), Refusal> {
+        require_memory(&self.grid, BYTES_PER_POINT * self.models.len() as u64)
     }
 
     /// Computes the maps of all models, certified.
@@ -144,7 +155,7 @@ impl Job {
         });
         let contact_free = engine.enclose(&Penalty::NONE, None).map(|step| step.l);
         let (model, limit) = (model.clone(), limit.limit);
-        Ok(Solved { model, limit, engine: engine.name(), curves, contact_free, optimal, seconds })
+        Ok(Solved { model, limit, curves, contact_free, optimal, seconds })
     }
 
     fn curves(&self, model: &Model, engine: &dyn StepLimit, progress: &Progress) -> Vec<Curve> {
@@ -190,14 +201,24 @@ impl Job {
 /// # Errors
 /// See [`Grid::new`].
 pub fn checked_grid(beta_s: &Axis, ratio: &Axis) -> Result<Grid, Refusal> {
-    Grid::new(beta_s, ratio).map_err(|refusal| {
-        let place = match refusal.place.as_str() {
-            "beta_s" => "--beta-s",
-            "r" => "--ratio",
-            _ => "--beta-s, --ratio",
-        };
-        Refusal { place: place.to_owned(), ..refusal }
-    })
+    Grid::new(beta_s, ratio).map_err(by_option)
+}
+
+/// Refuses a grid whose points, of `bytes` each, the memory does not hold, by the options that the user typed.
+///
+/// # Errors
+/// See [`Grid::require_memory`].
+pub fn require_memory(grid: &Grid, bytes: u64) -> Result<(), Refusal> {
+    grid.require_memory(bytes).map_err(by_option)
+}
+
+fn by_option(refusal: Refusal) -> Refusal {
+    let place = match refusal.place.as_str() {
+        "beta_s" => "--beta-s",
+        "r" => "--ratio",
+        _ => "--beta-s, --ratio",
+    };
+    Refusal { place: place.to_owned(), ..refusal }
 }
 
 /// How the limit of a scheme is found for `model`.

@@ -82,6 +82,7 @@ impl OpeningPlan {
         let mut plan = Self { cases: Vec::new(), left_out: 0 };
         for model in models {
             model.check_grid(grid)?;
+            model.check_pencil()?;
             let pencil = model.pencil();
             for scheme in schemes {
                 let scheme = scheme.with_theta(theta)?;

@@ -175,6 +175,7 @@ impl LimitOptions {
         if self.engine != EngineName::Auto {
             return Err(Refusal::new("--engine", self.engine.text(), format!("auto with {place}")));
         }
+        model.check_pencil()?;
         model.limit(&*scheme.with_theta(self.theta())?, &model.pencil()).map(|_| ()).map_err(by_option)
     }
 

@@ -92,6 +92,11 @@ pub fn assemble_shortened(scene: &Scene, mass: MassMatrix) -> Pencil {
     assemble_up_to(4, scene, mass)
 }
 
+/// Bytes of the assembled pencil: four vectors of nodes, of which those of several bars grow by doubling.
+pub fn pencil_bytes(scene: &Scene) -> u64 {
+    2 * 4 * 8 * (scene.elements() + scene.bars().len()) as u64
+}
+
 fn assemble_up_to(most_elements: usize, scene: &Scene, mass: MassMatrix) -> Pencil {
     let mut stiffness = Tridiagonal::default();
     let mut inertia = Tridiagonal::default();

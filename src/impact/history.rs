@@ -1,5 +1,6 @@
 //! What a run leaves behind: rows at the times that were asked for, and how it ended.
 
+use super::Accuracy;
 use crate::schemes::Energy;
 
 /// What to record; nothing else is computed.
@@ -9,13 +10,15 @@ pub struct Recording {
     pub every: u64,
     /// Whether rows have energies. The energies of the first and the last row are computed always.
     pub energies: bool,
+    /// Whether force and gap of every step are compared with the exact solution, however sparse the rows are.
+    pub compare: bool,
     /// Times at which the stress along the bars is taken, s; the nearest step is.
     pub stress_times: Vec<f64>,
 }
 
 impl Default for Recording {
     fn default() -> Self {
-        Self { every: 1, energies: false, stress_times: Vec::new() }
+        Self { every: 1, energies: false, compare: true, stress_times: Vec::new() }
     }
 }
 
@@ -64,6 +67,8 @@ pub struct History {
     pub energy: Vec<Energy>,
     /// One a stress time that the run has reached, in the order of time.
     pub stress: Vec<StressField>,
+    /// How far from the exact solution; `None` if not asked for or if the scene has none.
+    pub accuracy: Option<Accuracy>,
     /// Energies at the start and at the end.
     pub first_and_last: [Energy; 2],
     /// How often a contact has opened or closed.

@@ -9,15 +9,19 @@
 //! # Ok::<(), bipenalty::error::Error>(())
 //! ```
 
+mod comparison;
 mod exact;
 mod history;
 mod mesh;
+mod needs;
 mod run;
 mod summary;
 
+pub use comparison::Accuracy;
 pub use exact::Exact;
 pub use history::{Ending, History, Recording, StressField};
 pub use mesh::Mesh;
+pub use needs::least_every;
 pub(crate) use run::contact_free_step;
 pub use run::{MAX_STEPS, Progress, Run};
 pub use summary::Summary;

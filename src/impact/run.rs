@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::comparison::Comparison;
 use super::{Ending, History, Mesh, Recording, StressField};
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
@@ -114,7 +115,8 @@ impl Run {
     /// What [`Run::execute`] refuses before the first step: it depends on duration, step and recording together.
     ///
     /// # Errors
-    /// More than [`MAX_STEPS`] steps, a recording every 0 steps, and the stress at a time outside the run.
+    /// More than [`MAX_STEPS`] steps, a recording every 0 steps, more elements or rows than the memory holds, and the stress
+    /// at a time outside the run.
     pub fn check(&self, recording: &Recording) -> Result<(), Refusal> {
         let (duration, steps) = (self.duration, self.duration / self.time_step());
         if steps > MAX_STEPS {
@@ -124,6 +126,7 @@ impl Run {
         if recording.every == 0 {
             return Err(Refusal::new("steps between records", 0, "at least 1"));
         }
+        self.check_memory(recording)?;
         match recording.stress_times.iter().find(|time| !(0.0..=duration).contains(*time)) {
             Some(time) => {
                 let allowed = format!("a time in the run, from 0 to {duration:e} (s)");
@@ -218,6 +221,7 @@ impl Run {
         let last = motion.energy();
         let mut history = recorder.history;
         history.first_and_last[1] = last;
+        history.accuracy = recorder.comparison.map(Comparison::finish);
         history.switches = motion.state().switches;
         history.steps = motion.state().steps;
         history.ending = ending;
@@ -283,7 +287,7 @@ pub(crate) fn contact_free_step(model: &Model) -> Result<f64, Refusal> {
             "scenes whose contact-free limit is certified",
         )
     };
-    Ok(2.0 / model.closed_form().enclose(&Penalty::NONE, None).map_err(refused)?.value.sqrt())
+    Ok(2.0 / model.auto().enclose(&Penalty::NONE, None).map_err(refused)?.value.sqrt())
 }
 
 /// Writes rows while a run goes on.
@@ -294,6 +298,7 @@ struct Recorder<'a> {
     /// Steps at which the stress is taken, in order.
     stress_steps: Vec<u64>,
     dt: f64,
+    comparison: Option<Comparison>,
     history: History,
 }
 
@@ -310,13 +315,16 @@ impl<'a> Recorder<'a> {
             relative_gap: Vec::new(),
             energy: Vec::new(),
             stress: Vec::new(),
+            accuracy: None,
             first_and_last: Default::default(),
             switches: 0,
             steps: 0,
             ending: Ending::Finished,
         };
         let lengths = mesh.contact_lengths(run.model.mass());
-        Self { recording, mesh, lengths, stress_steps, dt: run.time_step(), history }
+        let compared = lengths.first().filter(|_| recording.compare);
+        let comparison = compared.and_then(|length| Comparison::new(run, *length));
+        Self { recording, mesh, lengths, stress_steps, dt: run.time_step(), comparison, history }
     }
 
     fn note(&mut self, step: u64, last: bool, motion: &mut dyn Motion) {
@@ -324,6 +332,10 @@ impl<'a> Recorder<'a> {
         while self.stress_steps.get(self.history.stress.len()) == Some(&step) {
             let stress = self.mesh.stress(&motion.state().displacement);
             self.history.stress.push(StressField { time, stress });
+        }
+        if let Some(comparison) = &mut self.comparison {
+            motion.synchronise();
+            comparison.note(time, motion.state());
         }
         if !step.is_multiple_of(self.recording.every) && !last {
             return;

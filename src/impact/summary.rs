@@ -1,22 +1,21 @@
 //! A run in a few numbers.
 
-use super::{Ending, Exact, History, Run};
+use super::{Accuracy, Ending, History, Run};
 use crate::scene::ContactSite;
-use crate::schemes::{ContactSearch, Scheme};
 
 /// What the summary table shows of a run; `None` where there is no exact solution or nothing to divide by, and for a run
 /// that blew up: its last rows are noise of any size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {
-    /// rms of force minus exact force over the rows, over the peak exact force. Sampled once a step if the recording
-    /// has a row for every step. Where the exact force jumps, central differences, whose force belongs to the step that
-    /// begins, are compared with its later value, the other schemes with the earlier one.
+    /// [`Accuracy::force_error`]; `None` also if the recording did not ask for it.
     pub force_error: Option<f64>,
-    /// Median of g/h over the middle half of the first exact contact interval.
+    /// [`Accuracy::steady_relative_gap`]; `None` also if the recording did not ask for it.
     pub steady_relative_gap: Option<f64>,
     /// Kinetic, strain and penalty energy at the end over that at the start. With a body force its potential belongs to
     /// both, measured from where the bar touches the wall.
     pub energy_ratio: Option<f64>,
+    /// Whether `energy_ratio` is above 1 by more than rounding: 4 epsilon a step of the largest energy in it.
+    pub more_energy: bool,
     /// How often a contact has opened or closed.
     pub switches: u64,
 }
@@ -24,54 +23,43 @@ pub struct Summary {
 impl Summary {
     /// The summary of `history`, which `run` has left.
     pub fn of(run: &Run, history: &History) -> Self {
+        let switches = history.switches;
+        let none = Accuracy { force_error: None, steady_relative_gap: None };
         if matches!(history.ending, Ending::BlewUp { .. }) {
-            let switches = history.switches;
-            return Self { force_error: None, steady_relative_gap: None, energy_ratio: None, switches };
+            let Accuracy { force_error, steady_relative_gap } = none;
+            return Self {
+                force_error,
+                steady_relative_gap,
+                energy_ratio: None,
+                more_energy: false,
+                switches,
+            };
         }
-        let exact = Exact::of(run.model().scene(), run.duration());
-        let exact = exact.as_ref();
+        let Accuracy { force_error, steady_relative_gap } = history.accuracy.unwrap_or(none);
+        let energy = energy_ratio(run, history);
         Self {
-            force_error: exact.and_then(|exact| force_error(run.scheme(), exact, history)),
-            steady_relative_gap: exact.and_then(|exact| steady_gap(exact, history)),
-            energy_ratio: energy_ratio(run, history),
-            switches: history.switches,
+            force_error,
+            steady_relative_gap,
+            energy_ratio: energy.map(|(ratio, _)| ratio),
+            more_energy: energy.is_some_and(|(ratio, rounding)| ratio > 1.0 + rounding),
+            switches,
         }
     }
 }
 
-fn force_error(scheme: &dyn Scheme, exact: &Exact, history: &History) -> Option<f64> {
-    let expected = |t: f64| match scheme.facts().search {
-        ContactSearch::StartOfStep => exact.force(t),
-        ContactSearch::Predictor => exact.force_before(t),
-    };
-    let errors = history.time.iter().zip(history.forces(0)).map(|(t, force)| force - expected(*t));
-    let mean = errors.map(|e| e * e).sum::<f64>() / history.time.len() as f64;
-    let peak = exact.peak_force();
-    (peak > 0.0).then(|| mean.sqrt() / peak)
-}
-
-fn steady_gap(exact: &Exact, history: &History) -> Option<f64> {
-    let (start, end) = *exact.contact_intervals().first()?;
-    let quarter = 0.25 * (end - start);
-    let middle = start + quarter..=end - quarter;
-    let rows = history.time.iter().zip(history.relative_gaps(0));
-    let mut gaps: Vec<f64> = rows.filter(|(t, _)| middle.contains(t)).map(|(_, gap)| gap).collect();
-    gaps.sort_unstable_by(f64::total_cmp);
-    let half = gaps.len() / 2;
-    match gaps.len() {
-        0 => None,
-        odd if odd % 2 == 1 => Some(gaps[half]),
-        _ => Some(0.5 * (gaps[half - 1] + gaps[half])),
-    }
-}
-
-fn energy_ratio(run: &Run, history: &History) -> Option<f64> {
+/// End over start, and what rounding may make of it: each step rounds each of the sums of the balance, which the
+/// energies keep to 4 epsilon a step of the largest of them.
+fn energy_ratio(run: &Run, history: &History) -> Option<(f64, f64)> {
     let available = potential_at_start(run);
     let [first, last] = history.first_and_last;
+    let work = last.body_work - first.body_work;
     let start = first.stored() + available;
-    let end = last.stored() + available - (last.body_work - first.body_work);
+    let end = last.stored() + available - work;
+    let sizes = [start, available, work, last.stored(), last.loss];
+    let largest = sizes.into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let rounding = 4.0 * f64::EPSILON * (history.steps + 1) as f64 * largest / start;
     // Below, energies are subnormal and have lost their digits.
-    (start >= f64::MIN_POSITIVE).then(|| end / start)
+    (start >= f64::MIN_POSITIVE).then(|| (end / start, rounding))
 }
 
 /// The work that the body force does until the row of bars touches its first wall, J.

@@ -187,8 +187,7 @@ impl<'a> ChainPencil<'a> {
         self.cuts.blocks.stiffness_bound(terms)
     }
 
-    /// sum_j s_j min(mu_j/(1 + m_j mu_j), 2/d_j), rad^2/s^2: a bound of the contact stiffness relative to M + M_p,
-    /// because z z' <= mu/(1 + m mu) (M + m z z') and z z' <= 2/d diag(d).
+    /// A bound of the contact stiffness relative to M + M_p, rad^2/s^2; see [`contact_bound`].
     pub fn contact_bound(&self, terms: &[Terms]) -> f64 {
         contact_bound(self.compliance(), terms)
     }
@@ -217,8 +216,16 @@ impl<'a> ChainPencil<'a> {
     }
 }
 
-/// The bound of [`ChainPencil::contact_bound`] from mu_j or more.
+/// A bound of the contact stiffness of a chain relative to M + M_p, rad^2/s^2, from mu_j or more: the smaller of
+///
+/// ```text
+/// sum_j s_j min(mu_j/(1 + m_j mu_j), 2/d_j)      max_j s_j min(2 mu_j/(1 + 2 m_j mu_j), 2/d_j)
+/// ```
+/// because z z' <= mu/(1 + m mu) (M + m z z') and z z' <= 2/d diag(d). A bar is touched by two contacts at most; for
+/// the second, each of them has half of its mass, against which the compliance is 2 mu, and the parts add up to M at most.
 pub fn contact_bound(compliance: &[f64], terms: &[Terms]) -> f64 {
-    let term = |(mu, p): (&f64, &Terms)| p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass);
-    compliance.iter().zip(terms).map(term).sum()
+    let term = |mu: f64, p: &Terms| p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass);
+    let contacts = || compliance.iter().zip(terms);
+    let sum: f64 = contacts().map(|(mu, p)| term(*mu, p)).sum();
+    contacts().map(|(mu, p)| term(2.0 * mu, p)).fold(0.0, f64::max).min(sum)
 }

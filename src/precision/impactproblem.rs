@@ -89,7 +89,8 @@ impl Impactproblem {
     /// # Errors
     /// As [`Run::execute`].
     pub fn step_through(&self) -> Result<()> {
-        let nothing = Recording { every: u64::MAX, energies: false, stress_times: Vec::new() };
+        let nothing =
+            Recording { every: u64::MAX, energies: false, compare: false, stress_times: Vec::new() };
         std::hint::black_box(self.run.execute(&nothing, None)?);
         Ok(())
     }
@@ -101,7 +102,8 @@ impl Impactproblem {
     pub fn errors(&self) -> Result<std::result::Result<ImpactErrors, String>> {
         let time = |k: u32| self.run.duration() * f64::from(k) / f64::from(STRESS_TIMES);
         let stress_times = (1..=STRESS_TIMES).map(time).collect();
-        let history = self.run.execute(&Recording { every: 1, energies: false, stress_times }, None)?;
+        let history =
+            self.run.execute(&Recording { every: 1, energies: false, compare: true, stress_times }, None)?;
         Ok(match history.ending {
             Ending::BlewUp { step, .. } => Err(format!("blew up by step {step}")),
             Ending::Stopped { step, .. } => Err(format!("stopped at step {step}")),

@@ -5,7 +5,9 @@ use serde::Serialize;
 use super::Number;
 use crate::impact::{Ending, Exact, History, Mesh, Run, StressField, Summary};
 
-/// One step of a run at one contact.
+/// One step of a run at one contact. The energies are those of all bars and all contacts; in every row
+/// kinetic + strain + penalty energy + loss - body work is what it is in the first, to rounding (the definitions are
+/// those of [`crate::schemes::Energy`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HistoryRow {
     /// s.
@@ -20,6 +22,12 @@ pub struct HistoryRow {
     pub strain_energy: Number,
     /// Work that the bars have done on the contacts, J.
     pub contact_work: Number,
+    /// Held by the penalties of the closed contacts, J.
+    pub penalty_energy: Number,
+    /// Work of the body force since u = 0, J.
+    pub body_work: Number,
+    /// Lost by the scheme, J; negative is a gain.
+    pub loss: Number,
 }
 
 impl HistoryRow {
@@ -34,6 +42,9 @@ impl HistoryRow {
                 kinetic_energy: Number(energy.kinetic),
                 strain_energy: Number(energy.strain),
                 contact_work: Number(energy.contact_work),
+                penalty_energy: Number(energy.penalty),
+                body_work: Number(energy.body_work),
+                loss: Number(energy.loss),
             })
             .collect()
     }
@@ -93,7 +104,8 @@ pub struct ImpactRow {
     pub switches: u64,
     /// Steps done.
     pub steps: u64,
-    /// `finished`, or the step and time at which the run blew up or was stopped.
+    /// `finished`, `finished with 5.1 times its energy` where that is more than 1, or the step and time at which the run
+    /// blew up or was stopped.
     pub ending: String,
 }
 
@@ -102,6 +114,10 @@ impl ImpactRow {
     pub fn new(run: &Run, beta_s: f64, ratio: f64, history: &History) -> Self {
         let summary = Summary::of(run, history);
         let model = run.model();
+        let gained = match summary.energy_ratio.filter(|_| summary.more_energy) {
+            Some(ratio) => format!(" with {} times its energy", digits(ratio)),
+            None => String::new(),
+        };
         Self {
             scene: model.scene().name().to_owned(),
             mass: model.mass().name(),
@@ -115,10 +131,16 @@ impl ImpactRow {
             switches: summary.switches,
             steps: history.steps,
             ending: match history.ending {
-                Ending::Finished => "finished".to_owned(),
-                Ending::Stopped { step, time } => format!("stopped at step {step} (t = {time:e} s)"),
+                Ending::Finished => "finished".to_owned() + &gained,
+                Ending::Stopped { step, time } => format!("stopped at step {step} (t = {time:e} s){gained}"),
                 Ending::BlewUp { step, time } => format!("blew up by step {step} (t = {time:e} s)"),
             },
         }
     }
+}
+
+/// A ratio above 1 with two digits, or as many as tell it from 1.
+fn digits(ratio: f64) -> String {
+    let digits = (1.0 - (ratio - 1.0).log10()).ceil().clamp(1.0, 16.0) as usize;
+    if ratio < 1e4 { format!("{ratio:.digits$}") } else { format!("{ratio:.1e}") }
 }

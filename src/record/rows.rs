@@ -49,9 +49,10 @@ pub struct StabilityRow {
 
 impl StabilityRow {
     /// The rows of `curves`, curve by curve.
-    pub fn of(model: &Model, limit: &'static str, curves: &[Curve], engine: &str) -> Vec<Self> {
+    pub fn of(model: &Model, limit: &'static str, curves: &[Curve]) -> Vec<Self> {
         let rows = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve.ratio, point)));
         rows.map(|(ratio, point)| {
+            let engine = point.engine;
             let step: Result<CriticalStep, Uncertified> = point.step;
             let number = |f: fn(CriticalStep) -> f64| step.ok().map(|step| Number(f(step)));
             Self {

@@ -85,6 +85,15 @@ pub trait Engine: Sync {
     /// [`Uncertified`] if the enclosure is wider than the engine promises or contradicts the value.
     fn enclose(&self, penalty: &Penalty, start: Option<f64>) -> Result<Enclosure, Uncertified>;
 
+    /// As [`Engine::enclose`], with the name of the engine that found it: one that asks others names the last of them.
+    fn enclose_by(
+        &self,
+        penalty: &Penalty,
+        start: Option<f64>,
+    ) -> (Result<Enclosure, Uncertified>, &'static str) {
+        (self.enclose(penalty, start), self.name())
+    }
+
     /// The sign of the spectrum, if the engine has it for contacts of any stiffness and mass.
     fn condensed(&self) -> Option<&dyn Condensed> {
         None

@@ -68,6 +68,11 @@ pub trait StepLimit: Sync {
     /// [`Uncertified`] if it could not be enclosed closely enough.
     fn enclose(&self, penalty: &Penalty, start: Option<f64>) -> Result<Step, Uncertified>;
 
+    /// As [`StepLimit::enclose`], with the name of what found it, as [`Engine::enclose_by`].
+    fn enclose_by(&self, penalty: &Penalty, start: Option<f64>) -> (Result<Step, Uncertified>, &'static str) {
+        (self.enclose(penalty, start), self.name())
+    }
+
     /// ln of the largest multiplier at dt = `excess` times the limit `step`, excess > 1: the growth in a step. `None` where
     /// no formula is at hand.
     fn growth(&self, _penalty: &Penalty, _step: &Step, _excess: f64) -> Option<f64> {
@@ -95,7 +100,12 @@ impl StepLimit for Spectrum<'_> {
     }
 
     fn enclose(&self, penalty: &Penalty, start: Option<f64>) -> Result<Step, Uncertified> {
-        self.0.enclose(penalty, start).map(Step::proven)
+        self.enclose_by(penalty, start).0
+    }
+
+    fn enclose_by(&self, penalty: &Penalty, start: Option<f64>) -> (Result<Step, Uncertified>, &'static str) {
+        let (enclosure, by) = self.0.enclose_by(penalty, start);
+        (enclosure.map(Step::proven), by)
     }
 
     /// Above the limit central differences have the multipliers -exp(+-g), cosh g = 2 excess^2 - 1, which is

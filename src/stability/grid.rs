@@ -3,10 +3,14 @@
 use std::str::FromStr;
 
 use crate::error::Refusal;
+use crate::memory;
 use crate::penalty::{Ratio, StiffnessPenalty};
 
-/// More points than this are refused: 1e8 points already make 10 GB of records.
+/// More points than this are refused, whatever memory there is; see [`Grid::require_memory`].
 pub const MAX_POINTS: usize = 100_000_000;
+
+/// Bytes of a value of an axis: as typed, as given to a grid, and as checked in it, each of them twice.
+const BYTES_PER_VALUE: u64 = 48;
 
 /// Values along one axis, in the order given; `log` tells how a chart should space them.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +83,9 @@ fn check_range(start: f64, stop: f64, count: usize) -> Result<(), Refusal> {
     if !(2..=MAX_POINTS).contains(&count) {
         return Err(Refusal::new("range count", count, format!("an integer from 2 to {MAX_POINTS}")));
     }
-    Ok(())
+    memory::require(("range count", &count.to_string()), "values", BYTES_PER_VALUE * count as u64, |left| {
+        format!("at most {} values", left / BYTES_PER_VALUE)
+    })
 }
 
 impl FromStr for Axis {
@@ -147,6 +153,17 @@ impl Grid {
             beta_s.values.iter().copied().map(StiffnessPenalty::new).collect();
         let ratios: Result<_, _> = ratio.values.iter().copied().map(Ratio::new).collect();
         Ok(Self { stiffness_penalties: stiffness_penalties?, ratios: ratios? })
+    }
+
+    /// Refuses a grid whose points, of `bytes` each, the memory does not hold.
+    ///
+    /// # Errors
+    /// Names the bytes needed and the number of points that fit.
+    pub fn require_memory(&self, bytes: u64) -> Result<(), Refusal> {
+        let value = format!("a grid of {} points", self.len());
+        memory::require(("grid", &value), "records", bytes * self.len() as u64, |left| {
+            format!("at most {} points", left / bytes)
+        })
     }
 
     /// Number of points.

@@ -13,6 +13,8 @@ pub struct Point {
     pub stiffness_penalty: StiffnessPenalty,
     /// The critical step, or why it could not be certified.
     pub step: Result<CriticalStep, Uncertified>,
+    /// The engine that found it.
+    pub engine: &'static str,
 }
 
 /// The points of one ratio, in the order of the stiffness penalties.
@@ -53,9 +55,9 @@ const PIECE: usize = 64;
 fn curve_piece(model: &Model, limit: &dyn StepLimit, ratio: Ratio, piece: &[StiffnessPenalty]) -> Vec<Point> {
     let mut start = None;
     let solve = |beta_s: &StiffnessPenalty| {
-        let found = limit.enclose(&model.penalty(*beta_s, ratio), start);
+        let (found, engine) = limit.enclose_by(&model.penalty(*beta_s, ratio), start);
         start = found.as_ref().ok().map(|step| step.l.value);
-        Point { stiffness_penalty: *beta_s, step: found.map(|step| model.critical_step(step.l)) }
+        Point { stiffness_penalty: *beta_s, step: found.map(|step| model.critical_step(step.l)), engine }
     };
     piece.iter().map(solve).collect()
 }

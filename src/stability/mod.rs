@@ -1,5 +1,6 @@
 //! From eigenvalues to time steps: the critical step, grids of penalties, maps, contour lines, the optimal ratio.
 
+mod auto;
 mod band;
 mod closed_form;
 mod contour;
@@ -11,6 +12,7 @@ mod plan;
 mod scheme_limit;
 mod uniform_bar;
 
+pub use auto::Auto;
 pub use closed_form::ClosedForm;
 pub use contour::{contour, scheme_contour};
 pub use grid::{Axis, Grid};

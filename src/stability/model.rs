@@ -2,9 +2,10 @@
 
 use std::str::FromStr;
 
-use super::{ClosedForm, Grid};
+use super::{Auto, ClosedForm, Grid};
 use crate::error::Refusal;
-use crate::fem::{MassMatrix, assemble, contact_scales, reference_bar};
+use crate::fem::{MassMatrix, assemble, contact_scales, pencil_bytes, reference_bar};
+use crate::memory;
 use crate::penalty::{self, PenaltyMass, Ratio, StiffnessPenalty};
 use crate::pencil::{Penalty, Pencil, Scale};
 use crate::scene::Scene;
@@ -14,7 +15,7 @@ use crate::spectrum::{Dense, Enclosure, Engine, MAX_DENSE_NODES, Secular, StepLi
 /// The engines by the names that users type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EngineName {
-    /// The cheapest that is exact enough: `closed-form` for scenes of uniform bars.
+    /// `closed-form`, and point by point `sturm` where that certifies nothing.
     #[default]
     Auto,
     /// Wittrick-Williams on uniform bars, O(1) in the number of elements.
@@ -176,22 +177,39 @@ impl Model {
         Ok(())
     }
 
+    /// Refuses a scene whose pencil the memory does not hold.
+    ///
+    /// # Errors
+    /// Names the bytes needed and the number of elements that fit.
+    pub fn check_pencil(&self) -> Result<(), Refusal> {
+        let (elements, bytes) = (self.scene.elements(), pencil_bytes(&self.scene));
+        let place = (&*format!("scene {}, elements", self.scene.name()), &*elements.to_string());
+        memory::require(place, "matrices", bytes, |left| {
+            format!("at most {} elements", left / bytes.div_ceil(elements as u64))
+        })
+    }
+
     /// Refuses an engine that cannot hold the scene.
     ///
     /// # Errors
-    /// The dense engines beyond [`MAX_DENSE_NODES`].
+    /// The dense engines beyond [`MAX_DENSE_NODES`], and those that need a pencil as [`Model::check_pencil`].
     pub fn check_engine(&self, engine: EngineName) -> Result<(), Refusal> {
         let nodes = self.scene.elements() + self.scene.bars().len();
         if engine.is_dense() && nodes > MAX_DENSE_NODES {
             let value = format!("{} with {nodes} nodes", engine.text());
             return Err(Refusal::new("engine", value, format!("at most {MAX_DENSE_NODES} nodes, or auto")));
         }
-        Ok(())
+        if engine.needs_pencil() { self.check_pencil() } else { Ok(()) }
     }
 
-    /// The closed form of this model: the engine that needs no pencil.
+    /// The closed form of this model, which needs no pencil.
     pub fn closed_form(&self) -> ClosedForm {
         ClosedForm::new(&self.scene, self.mass)
+    }
+
+    /// The engine `auto` of this model, which assembles a pencil where it needs one.
+    pub fn auto(&self) -> Auto {
+        Auto::new(&self.scene, self.mass)
     }
 
     /// The engine called `name`, of the pencil of this model.
@@ -206,7 +224,8 @@ impl Model {
                 .ok_or_else(|| Refusal::new("engine", name.text(), "dense, for what is no row of bars"))
         };
         Ok(match name {
-            EngineName::Auto | EngineName::ClosedForm => Box::new(self.closed_form()),
+            EngineName::Auto => Box::new(self.auto()),
+            EngineName::ClosedForm => Box::new(self.closed_form()),
             EngineName::Secular => Box::new(Secular::new(chain()?)),
             EngineName::Sturm => Box::new(Sturm::new(chain()?)),
             EngineName::Dense => Box::new(Dense::new(pencil)?),
@@ -230,7 +249,7 @@ impl Model {
             let value = format!("{name} with a diagonalised mass penalty between two bars");
             return Err(Refusal::new("limit", value, "the consistent mass penalty"));
         }
-        scheme.limit(pencil, Box::new(self.closed_form()))
+        scheme.limit(pencil, Box::new(self.auto()))
     }
 
     /// (c0/h)^2 of the reference element, 1/s^2: C_r = 2 sqrt(rate/l).

@@ -47,7 +47,7 @@ impl<'a> Predictor<'a> {
     /// What [`Model::limit`] refuses, and a contact-free limit that is not certified.
     pub fn new(model: &'a Model, pencil: &'a Pencil, scheme: &'a dyn Scheme) -> Result<Self, Refusal> {
         let limit = model.limit(scheme, pencil)?;
-        let contact_free = model.closed_form().enclose(&Penalty::NONE, None);
+        let contact_free = model.auto().enclose(&Penalty::NONE, None);
         let uncertified =
             |e| Refusal::new(model.scene().name(), e, "scenes whose contact-free limit is certified");
         Ok(Self { model, scheme, limit, contact_free: contact_free.map_err(uncertified)?.value })

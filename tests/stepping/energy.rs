@@ -151,7 +151,7 @@ pub fn largest_energy(history: &History) -> f64 {
 
 #[test]
 fn the_energy_balance_closes_in_every_record() {
-    let recording = Recording { every: 3, energies: true, stress_times: Vec::new() };
+    let recording = Recording { every: 3, energies: true, compare: false, stress_times: Vec::new() };
     for scene in ["signorini", "hunek", "bouncing-bar"] {
         for mass in MASSES {
             for scheme in Scheme::ALL {
