@@ -6,16 +6,26 @@ use crate::schemes::Scheme;
 use crate::spectrum::Engine;
 use crate::stability::{EngineName, Model, SchemeLimit};
 
-use super::{Limit, Point, Search, Trials, steps_to_show};
+use super::lattice::Lattice;
+use super::trial::Trials;
+use super::{Limit, Point, Search, steps_to_show};
 
-/// Slower growth a step than this is not looked for: some 1e7 steps a trial would be needed.
-pub const VISIBLE_GROWTH: f64 = 1e-6;
+/// What a prediction claims.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Evidence {
+    /// The scheme is unstable just above it.
+    Limit,
+    /// The limit is not below it.
+    LowerBound,
+}
 
 /// A predicted limit and what a run just above it does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
     /// The limit as a Courant number c0 dt/h of the reference element.
     pub courant: f64,
+    /// Whether it is the limit or a bound of it.
+    pub evidence: Evidence,
     /// ln of the growth a step at (1 + tolerance) times the limit; `None` where no formula is at hand.
     pub growth: Option<f64>,
     /// Steps of a trial that show this growth.
@@ -25,9 +35,9 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// Whether the growth is fast enough to be looked for; one that is not known is.
-    pub fn is_visible(&self) -> bool {
-        self.growth.is_none_or(|growth| growth >= VISIBLE_GROWTH)
+    /// Whether trials of `steps` steps show the growth; one that is not known should show.
+    pub fn is_visible(&self, steps: u64) -> bool {
+        self.steps_needed.is_none_or(|needed| needed <= steps as f64)
     }
 }
 
@@ -35,7 +45,6 @@ impl Prediction {
 pub struct Predictor<'a> {
     model: &'a Model,
     scheme: Scheme,
-    theta: f64,
     source: Source<'a>,
 }
 
@@ -54,7 +63,7 @@ impl<'a> Predictor<'a> {
             Scheme::CentralDifference => Source::Spectrum(model.engine(EngineName::Auto, None)),
             _ => Source::Scheme(Box::new(SchemeLimit::new(model, pencil, scheme, theta)?)),
         };
-        Ok(Self { model, scheme, theta, source })
+        Ok(Self { model, scheme, source })
     }
 
     /// What finds the limit as l = 4/dt^2.
@@ -83,7 +92,13 @@ impl<'a> Predictor<'a> {
             }
         };
         let steps_needed = growth.map(|growth| steps_to_show(tolerance, growth, self.share(l)));
-        Prediction { courant: self.model.critical_courant(l), growth, steps_needed, islands }
+        Prediction {
+            courant: self.model.critical_courant(l),
+            evidence: Evidence::Limit,
+            growth,
+            steps_needed,
+            islands,
+        }
     }
 
     /// The share of a start with velocities alone that grows beyond the limit l. The Park scheme meets a stiff contact with
@@ -101,27 +116,35 @@ impl<'a> Predictor<'a> {
 /// A prediction beside what stepping found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Confirmation {
-    /// What was predicted.
-    pub predicted: Prediction,
+    /// What was predicted, where there is a prediction.
+    pub predicted: Option<Prediction>,
     /// What was found.
     pub found: Limit,
     /// See [`Limit::judge`]; false too if a trial in the middle of a predicted island grew.
     pub agrees: Option<bool>,
 }
 
-/// Steps at the limit that `predictor` has for `point`, and in its islands.
+/// The limit that stepping finds at `point`, beside what `predicted` says; it is where the search begins. The trials in
+/// predicted islands serve the judgement alone.
 ///
 /// # Errors
 /// As [`largest_stable_courant`](super::largest_stable_courant).
-pub fn confirm(predictor: &Predictor, point: Point, tolerance: f64) -> Result<Confirmation, Refusal> {
-    let Predictor { model, scheme, theta, .. } = *predictor;
-    let predicted = predictor.at(point, tolerance);
-    let search = Search::for_prediction(tolerance, scheme, &predicted)?;
-    let trials = Trials::new(model, scheme, theta, point, &search)?;
-    let found = trials.near(predicted.courant)?;
-    let mut agrees = found.judge(&predicted, tolerance);
-    for (low, high) in &predicted.islands {
-        if trials.run(0.5 * (low + high))?.growth.is_some() {
+pub fn confirm(
+    model: &Model,
+    scheme: Scheme,
+    theta: f64,
+    point: Point,
+    tolerance: f64,
+    predicted: Option<Prediction>,
+) -> Result<Confirmation, Refusal> {
+    model.check(point.stiffness_penalty, point.ratio)?;
+    let search = Search::to(tolerance, scheme)?;
+    let penalties = model.penalties(point.stiffness_penalty, point.ratio);
+    let trials = Trials::new(model, scheme, theta, penalties, &search)?;
+    let found = Lattice::new(&trials).limit(predicted.as_ref().map_or(1.0, |p| p.courant))?;
+    let mut agrees = predicted.as_ref().and_then(|predicted| found.judge(predicted, tolerance));
+    for (low, high) in predicted.iter().flat_map(|predicted| &predicted.islands) {
+        if trials.run(0.5 * (low + high), search.steps)?.grows {
             agrees = Some(false);
         }
     }
