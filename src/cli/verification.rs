@@ -5,16 +5,7 @@ use crate::record::VerifyRow;
 
 /// Prints one line for each list of rows of one model and scheme, and what could not be judged.
 pub fn print_verification(all: &[Vec<VerifyRow>]) {
-    let header = [
-        "scene",
-        "elements",
-        "mass",
-        "scheme",
-        "points",
-        "agree",
-        "limit within",
-        "growth too slow to be seen",
-    ];
+    let header = ["scene", "elements", "mass", "scheme", "points", "agree", "limit within", "not judged"];
     print_table(&header, all.iter().filter_map(|rows| line(rows)));
     let unseen = || all.iter().flatten().filter(|row| row.agrees.is_none());
     let steps = unseen().filter_map(|row| row.steps_needed).map(|steps| steps.0);
@@ -25,6 +16,16 @@ pub fn print_verification(all: &[Vec<VerifyRow>]) {
             unseen().count(),
             all.iter().map(Vec::len).sum::<usize>()
         );
+    }
+    let unpredicted = all.iter().flatten().filter(|row| row.predicted.is_none()).count();
+    if unpredicted > 0 {
+        eprintln!(
+            "{unpredicted} points have no prediction: stable_at and unstable_at are what stepping found"
+        );
+    }
+    let growing = all.iter().flatten().filter(|row| row.stable_at.0 == 0.0).count();
+    if growing > 0 {
+        eprintln!("{growing} points have no stable step that trials of this length can tell (stable_at = 0)");
     }
     islands(all);
 }
@@ -42,7 +43,7 @@ fn islands(all: &[Vec<VerifyRow>]) {
             row.scheme,
             row.stiffness_penalty.0,
             row.ratio.0,
-            row.predicted.0,
+            row.predicted.map_or(f64::NAN, |predicted| predicted.0),
             row.islands
         );
     }
@@ -52,8 +53,8 @@ fn line(rows: &[VerifyRow]) -> Option<Vec<String>> {
     let first = rows.first()?;
     let judged = || rows.iter().filter(|row| row.agrees.is_some());
     let distance = |row: &VerifyRow| {
-        let (below, above) = (row.stable_at.0 / row.predicted.0, row.unstable_at.0 / row.predicted.0);
-        (below - 1.0).abs().max((above - 1.0).abs())
+        let predicted = row.predicted.map_or(f64::NAN, |predicted| predicted.0);
+        (row.stable_at.0 / predicted - 1.0).abs().max((row.unstable_at.0 / predicted - 1.0).abs())
     };
     let agree = judged().filter(|row| row.agrees == Some(true)).count();
     let unseen = rows.len() - judged().count();

@@ -109,7 +109,7 @@ impl VerifyRow {
             contact: "opening",
             stiffness_penalty: row.stiffness_penalty,
             ratio: row.ratio,
-            predicted: Number(row.predicted.0 * contact_free_courant),
+            predicted: Some(Number(row.predicted.0 * contact_free_courant)),
             stable_at: Number(last_without_gain(scan) * contact_free_courant),
             unstable_at: Number(first * contact_free_courant),
             steps: scan.iter().map(|row| row.steps).max().unwrap_or(0),

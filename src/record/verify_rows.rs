@@ -26,18 +26,18 @@ pub struct VerifyRow {
     pub stiffness_penalty: Number,
     /// r.
     pub ratio: Number,
-    /// The predicted limit.
-    pub predicted: Number,
-    /// The largest Courant number whose trial did not grow.
+    /// The predicted limit; empty where there is none.
+    pub predicted: Option<Number>,
+    /// The Courant number just below the limit, whose trial did not grow, found by stepping alone; 0 if every step grew.
     pub stable_at: Number,
-    /// The smallest whose trial did.
+    /// The next one that is tried, whose trial did.
     pub unstable_at: Number,
-    /// Steps of a stable trial.
+    /// Steps of a stable trial: by scheme and tolerance alone.
     pub steps: u64,
     /// Growth at `unstable_at`, ln of the factor a step.
     pub growth: Number,
-    /// Whether the prediction lies within the tolerance of the bracket; unknown where the predicted growth is too slow
-    /// to be seen and no trial below the prediction grew.
+    /// Whether the prediction lies within the tolerance of the bracket; unknown without a prediction, and where the
+    /// predicted growth needs more than `steps` to be seen and no trial below the prediction grew.
     pub agrees: Option<bool>,
     /// Predicted growth at (1 + tolerance) times the predicted limit, ln of the factor a step.
     pub predicted_growth: Option<Number>,
@@ -52,7 +52,9 @@ impl VerifyRow {
     /// The row of one point with contacts held closed.
     pub fn new(model: &Model, scheme: &dyn Scheme, point: Point, confirmation: &Confirmation) -> Self {
         let Confirmation { predicted, found, agrees } = confirmation;
-        let islands = predicted.islands.iter().map(|(low, high)| format!("{low:.6}-{high:.6}"));
+        let predicted = predicted.as_ref();
+        let islands = predicted.iter().flat_map(|predicted| &predicted.islands);
+        let islands = islands.map(|(low, high)| format!("{low:.6}-{high:.6}"));
         Self {
             scene: model.scene().name().to_owned(),
             mass: model.mass().name(),
@@ -62,14 +64,14 @@ impl VerifyRow {
             contact: "closed",
             stiffness_penalty: Number(point.stiffness_penalty.get()),
             ratio: Number(point.ratio.get()),
-            predicted: Number(predicted.courant),
+            predicted: predicted.map(|predicted| Number(predicted.courant)),
             stable_at: Number(found.stable_at),
             unstable_at: Number(found.unstable_at),
             steps: found.steps,
             growth: Number(found.growth),
             agrees: *agrees,
-            predicted_growth: predicted.growth.map(Number),
-            steps_needed: predicted.steps_needed.map(Number),
+            predicted_growth: predicted.and_then(|predicted| predicted.growth).map(Number),
+            steps_needed: predicted.and_then(|predicted| predicted.steps_needed).map(Number),
             islands: islands.collect::<Vec<_>>().join(" "),
         }
     }

@@ -221,7 +221,7 @@ impl<'a> LinearLimit<'a> {
     ///
     /// # Errors
     /// What [`Predictor::new`] refuses.
-    pub fn new(model: &'a Model, pencil: &'a Pencil, scheme: &'a dyn Scheme) -> Result<Self, Refusal> {
+    pub fn new(model: &'a Model, pencil: &'a Pencil, scheme: &dyn Scheme) -> Result<Self, Refusal> {
         Ok(Self { model, predictor: Predictor::new(model, pencil, scheme)? })
     }
 

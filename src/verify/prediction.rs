@@ -3,19 +3,20 @@
 use crate::error::Refusal;
 use crate::pencil::{Penalty, Pencil};
 use crate::schemes::Scheme;
-use crate::spectrum::{Engine as _, Step, StepLimit};
+use crate::spectrum::{Engine as _, Evidence, Step, StepLimit};
 use crate::stability::Model;
 
-use super::{Limit, Point, Search, Trials, steps_to_show};
-
-/// Slower growth a step than this is not looked for: some 1e7 steps a trial would be needed.
-pub const VISIBLE_GROWTH: f64 = 1e-6;
+use super::lattice::Lattice;
+use super::trial::Trials;
+use super::{Limit, Point, Search, steps_to_show};
 
 /// A predicted limit and what a run just above it does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
     /// The limit as a Courant number c0 dt/h of the reference element.
     pub courant: f64,
+    /// Whether it is the limit or a lower bound of it.
+    pub evidence: Evidence,
     /// ln of the growth a step at (1 + tolerance) times the limit; `None` where no formula is at hand.
     pub growth: Option<f64>,
     /// Steps of a trial that show this growth.
@@ -25,16 +26,15 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// Whether the growth is fast enough to be looked for; one that is not known is.
-    pub fn is_visible(&self) -> bool {
-        self.growth.is_none_or(|growth| growth >= VISIBLE_GROWTH)
+    /// Whether trials of `steps` steps show the growth; one that is not known should show.
+    pub fn is_visible(&self, steps: u64) -> bool {
+        self.steps_needed.is_none_or(|needed| needed <= steps as f64)
     }
 }
 
 /// Predicts the limits of one scheme for one model.
 pub struct Predictor<'a> {
     model: &'a Model,
-    scheme: &'a dyn Scheme,
     limit: Box<dyn StepLimit + 'a>,
     /// The contact-free l_max, rad^2/s^2.
     contact_free: f64,
@@ -45,12 +45,12 @@ impl<'a> Predictor<'a> {
     ///
     /// # Errors
     /// What [`Model::limit`] refuses, and a contact-free limit that is not certified.
-    pub fn new(model: &'a Model, pencil: &'a Pencil, scheme: &'a dyn Scheme) -> Result<Self, Refusal> {
+    pub fn new(model: &'a Model, pencil: &'a Pencil, scheme: &dyn Scheme) -> Result<Self, Refusal> {
         let limit = model.limit(scheme, pencil)?;
         let contact_free = model.auto().enclose(&Penalty::NONE, None);
         let uncertified =
             |e| Refusal::new(model.scene().name(), e, "scenes whose contact-free limit is certified");
-        Ok(Self { model, scheme, limit, contact_free: contact_free.map_err(uncertified)?.value })
+        Ok(Self { model, limit, contact_free: contact_free.map_err(uncertified)?.value })
     }
 
     /// What finds the limit.
@@ -87,6 +87,7 @@ impl<'a> Predictor<'a> {
         let share = self.limit.share(&step);
         Ok(Prediction {
             courant: self.model.critical_courant(step.l.value),
+            evidence: step.evidence,
             growth,
             steps_needed: growth.map(|growth| steps_to_show(tolerance, growth, share)),
             islands: islands.iter().map(|(high, low)| (courant(*high), courant(*low))).collect(),
@@ -97,27 +98,34 @@ impl<'a> Predictor<'a> {
 /// A prediction beside what stepping found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Confirmation {
-    /// What was predicted.
-    pub predicted: Prediction,
+    /// What was predicted, where there is a prediction.
+    pub predicted: Option<Prediction>,
     /// What was found.
     pub found: Limit,
     /// See [`Limit::judge`]; false too if a trial in the middle of a predicted island grew.
     pub agrees: Option<bool>,
 }
 
-/// Steps at the limit that `predictor` has for `point`, and in its islands.
+/// The limit that stepping finds at `point`, beside what `predicted` says; it is where the search begins. The trials in
+/// predicted islands serve the judgement alone.
 ///
 /// # Errors
 /// As [`largest_stable_courant`](super::largest_stable_courant).
-pub fn confirm(predictor: &Predictor, point: Point, tolerance: f64) -> Result<Confirmation, Refusal> {
-    let Predictor { model, scheme, .. } = *predictor;
-    let predicted = predictor.at(point, tolerance)?;
-    let search = Search::for_prediction(tolerance, scheme, &predicted)?;
-    let trials = Trials::new(model, scheme, point, &search)?;
-    let found = trials.near(predicted.courant)?;
-    let mut agrees = found.judge(&predicted, tolerance);
-    for (low, high) in &predicted.islands {
-        if trials.run(0.5 * (low + high))?.growth.is_some() {
+pub fn confirm(
+    model: &Model,
+    scheme: &dyn Scheme,
+    point: Point,
+    tolerance: f64,
+    predicted: Option<Prediction>,
+) -> Result<Confirmation, Refusal> {
+    model.check(point.stiffness_penalty, point.ratio)?;
+    let search = Search::to(tolerance, scheme)?;
+    let penalty = model.penalty(point.stiffness_penalty, point.ratio);
+    let trials = Trials::new(model, scheme, penalty, &search)?;
+    let found = Lattice::new(&trials).limit(predicted.as_ref().map_or(1.0, |p| p.courant))?;
+    let mut agrees = predicted.as_ref().and_then(|predicted| found.judge(predicted, tolerance));
+    for (low, high) in predicted.iter().flat_map(|predicted| &predicted.islands) {
+        if trials.run(0.5 * (low + high), search.steps)?.grows {
             agrees = Some(false);
         }
     }

@@ -1,0 +1,157 @@
+//! One run with closed contacts at one step: does the motion grow?
+
+use crate::error::Refusal;
+use crate::impact::contact_free_step;
+use crate::pencil::{Penalty, Pencil};
+use crate::schemes::{ContactRule, Motion, Scheme, State, System};
+use crate::stability::Model;
+
+use super::Search;
+
+/// The motion is looked at every so many steps. Odd, so that an oscillation of even period does not look constant.
+const STRIDE: u64 = 7;
+
+/// ln of the rise of size^2 from one window to the next that counts as growth. Of a steady oscillation with p periods in
+/// a window the mean with Hann weights leaves less than 1/p^3: with ten periods less than a tenth of this.
+pub const LATE_RISE: f64 = 0.01;
+
+/// A trial that has decayed by this factor holds no growing mode: rounding alone keeps a share of 1e-16.
+const DECAYED: f64 = 1e-30;
+
+/// How a trial ended.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Trial {
+    /// Whether it grew.
+    pub grows: bool,
+    /// ln of the factor a step by which size grew late in the trial.
+    pub growth: f64,
+    /// ln of the rise of size^2 over the last window; 0 for a trial that ended early.
+    pub rise: f64,
+    /// Steps made.
+    pub steps: u64,
+}
+
+/// What the trials of one point share: no part of it comes from a prediction.
+pub(super) struct Trials<'a> {
+    model: &'a Model,
+    pencil: Pencil,
+    penalty: Penalty,
+    scheme: &'a dyn Scheme,
+    critical_step: f64,
+    pub search: Search,
+}
+
+impl<'a> Trials<'a> {
+    /// Trials with `penalty`, from contacts at rest.
+    pub fn new(
+        model: &'a Model,
+        scheme: &'a dyn Scheme,
+        penalty: Penalty,
+        search: &Search,
+    ) -> Result<Self, Refusal> {
+        let search = search.checked()?;
+        let (pencil, critical_step) = (model.pencil().at_rest(), contact_free_step(model)?);
+        Ok(Self { model, pencil, penalty, scheme, critical_step, search })
+    }
+
+    /// The motion at a Courant number, from u = 0 and pseudo-random velocities.
+    pub fn start(&self, courant: f64) -> Result<Box<dyn Motion>, Refusal> {
+        let system = System {
+            pencil: &self.pencil,
+            penalty: self.penalty,
+            load: Vec::new(),
+            time_step: self.model.time_step(courant),
+            critical_step: self.critical_step,
+            rule: ContactRule::HeldClosed,
+            account: false,
+        };
+        let n = self.pencil.size();
+        self.scheme.start(system, vec![0.0; n], pseudo_random(n))
+    }
+
+    /// A trial of at most `steps` steps.
+    pub fn run(&self, courant: f64, steps: u64) -> Result<Trial, Refusal> {
+        let mut motion = self.start(courant)?;
+        let start = squared_size(&self.pencil, motion.state());
+        let bound = self.search.threshold().powi(2) * start;
+        let mut windows = Windows::new(steps);
+        for step in 1..=steps {
+            motion.step();
+            if step % STRIDE != 0 {
+                continue;
+            }
+            let now = squared_size(&self.pencil, motion.state());
+            if now.is_nan() || now > bound {
+                // Not a number follows from infinity: the last finite size told the growth as well as any.
+                let last = if now.is_finite() { now } else { f64::MAX.min(bound) };
+                return Ok(Trial {
+                    grows: true,
+                    growth: 0.5 * (last / start).ln() / step as f64,
+                    rise: 0.0,
+                    steps: step,
+                });
+            }
+            if now < DECAYED * DECAYED * start {
+                return Ok(Trial {
+                    grows: false,
+                    growth: 0.5 * (now / start).ln() / step as f64,
+                    rise: 0.0,
+                    steps: step,
+                });
+            }
+            windows.add(step, now);
+        }
+        let (rise, growth) = windows.rise();
+        let grows = self.search.is_long() && steps == self.search.steps && rise > LATE_RISE;
+        Ok(Trial { grows, growth, rise, steps })
+    }
+}
+
+/// Means of size^2 with Hann weights over the two windows [N/4, 5 N/8] and [5 N/8, N].
+struct Windows {
+    start: f64,
+    length: f64,
+    sums: [f64; 2],
+}
+
+impl Windows {
+    fn new(steps: u64) -> Self {
+        let steps = steps as f64;
+        Self { start: 0.25 * steps, length: 0.375 * steps, sums: [0.0; 2] }
+    }
+
+    fn add(&mut self, step: u64, size: f64) {
+        let x = (step as f64 - self.start) / self.length;
+        if x >= 0.0 {
+            let weight = 1.0 - (std::f64::consts::TAU * x.fract()).cos();
+            self.sums[usize::from(x >= 1.0)] += weight * size;
+        }
+    }
+
+    /// ln of the rise from the first to the second, and half of it a step.
+    fn rise(&self) -> (f64, f64) {
+        let rise = (self.sums[1] / self.sums[0]).ln();
+        (rise, 0.5 * rise / self.length)
+    }
+}
+
+/// v'M v + u'K u, J. In differences: a rigid translation has no strain, however far. With the whole of M, modes that no
+/// contact sees add up without cross terms, so that their beats are no rise.
+fn squared_size(pencil: &Pencil, state: &State) -> f64 {
+    let (u, v) = (&state.displacement, &state.velocity);
+    pencil.mass().quadratic(v, v) + pencil.stiffness().strain(u, u)
+}
+
+/// Numbers between -1 and 1 without a pattern, the same in every run (SplitMix64; Steele, Lea, Flood 2014).
+fn pseudo_random(n: usize) -> Vec<f64> {
+    let mut seed = 0_u64;
+    let mut next = || {
+        seed = seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = seed;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        let bits = (z ^ (z >> 31)) >> 11;
+        bits as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    (0..n).map(|_| next()).collect()
+}
