@@ -6,16 +6,16 @@
 
 use std::process::ExitCode;
 
-use bipenalty::cli::{
+use analyses::charts::impacts::{self, Quantity};
+use analyses::cli::{
     FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_memory,
     check_stems, checked_grid, exact_energy, exact_force, exact_stress, execute, finish, print_impacts,
     require_memory,
 };
-use bipenalty::error::{Refusal, Result};
+use analyses::error::{Refusal, Result};
+use analyses::record::{HistoryRow, ImpactRow};
 use bipenalty::impact::{Ending, Exact, Recording, Run};
 use bipenalty::penalty::{Ratio, StiffnessPenalty};
-use bipenalty::plot::impact_charts::{self, Quantity};
-use bipenalty::record::{HistoryRow, ImpactRow};
 use bipenalty::schemes::SchemeName;
 use bipenalty::stability::{Axis, Grid, Model, check_has_contact};
 use clap::Parser;
@@ -236,7 +236,7 @@ fn draw(planned: &PlannedRun, runs: &[&FinishedRun], contact: usize, output: &Ou
             Quantity::Energy => exact_energy(run),
             Quantity::Gap => Vec::new(),
         };
-        let figure = impact_charts::histories(scene, &mass, &records, (quantity, number), &exact);
+        let figure = impacts::histories(scene, &mass, &records, (quantity, number), &exact);
         let stem = format!("{scene}-{name}-{mass}{ratio}{}", suffix(contact));
         let histories: Vec<String> = runs.iter().map(|run| run.planned.stem() + &suffix(contact)).collect();
         files += output.write_figure_of(&stem, &figure, &histories, Some(&summary))?.len();
@@ -244,7 +244,7 @@ fn draw(planned: &PlannedRun, runs: &[&FinishedRun], contact: usize, output: &Ou
     if contact == 0 {
         let time = records.iter().flat_map(|record| &record.stress).map(|row| row.time.0).next();
         let exact = time.map_or_else(Vec::new, |time| exact_stress(run, time));
-        let figure = impact_charts::stresses(scene, &mass, &records, &exact);
+        let figure = impacts::stresses(scene, &mass, &records, &exact);
         let stem = format!("{scene}-stress-{mass}{ratio}");
         let stresses: Vec<String> = runs.iter().map(|run| run.planned.stem() + "-stress").collect();
         files += output.write_figure_of(&stem, &figure, &stresses, Some(&summary))?.len();

@@ -6,11 +6,11 @@
 
 use std::process::ExitCode;
 
-use bipenalty::cli::{Output, OutputOptions, Progress, Verdict, arguments, finish, print_table};
-use bipenalty::error::{Refusal, Result};
-use bipenalty::precision::{Case, Checked, References, cases};
-use bipenalty::record::ExtremeRow;
+use analyses::cli::{Output, OutputOptions, Progress, Verdict, arguments, finish, print_table};
+use analyses::error::{Refusal, Result};
+use analyses::record::ExtremeRow;
 use clap::Parser;
+use precision::{Case, Checked, References, cases};
 use rayon::prelude::*;
 
 /// Extreme inputs against extended precision; exit status 1 if a case does not hold.

@@ -8,8 +8,8 @@
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
-use bipenalty::cli::{Verdict, arguments, finish, restarted_with_one_blas_thread};
-use bipenalty::error::Result;
+use analyses::cli::{Verdict, arguments, finish, restarted_with_one_blas_thread};
+use analyses::error::Result;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::Penalty;

@@ -8,14 +8,14 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use bipenalty::cli::{
+use analyses::charts;
+use analyses::cli::{
     LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments, check_stems,
     checked_grid, finish, print_table, redraw_optimal_ratio, require_memory, tabulate_ratios,
 };
-use bipenalty::error::{Refusal, Result};
+use analyses::error::{Refusal, Result};
+use analyses::record::OptimalRatioRow;
 use bipenalty::penalty::StiffnessPenalty;
-use bipenalty::plot::charts;
-use bipenalty::record::OptimalRatioRow;
 use bipenalty::stability::{
     Axis, Expectation, Grid, Model, SchemeLimit, check_has_contact, governing_bar, optimal_ratio,
     optimal_scheme_ratio,

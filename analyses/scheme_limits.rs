@@ -7,14 +7,14 @@
 
 use std::process::ExitCode;
 
-use bipenalty::cli::{
+use analyses::charts;
+use analyses::cli::{
     Job, Limit, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Solved, Verdict, arguments,
     check_stems, finish, print_table,
 };
-use bipenalty::error::{Refusal, Result};
+use analyses::error::{Refusal, Result};
+use analyses::record::{OptimalRatioRow, StabilityRow};
 use bipenalty::penalty::StiffnessPenalty;
-use bipenalty::plot::charts;
-use bipenalty::record::{OptimalRatioRow, StabilityRow};
 use bipenalty::stability::{
     Axis, EngineName, Model, SchemeLimit, check_has_contact, optimal_scheme_ratio, scheme_contour,
 };
@@ -142,7 +142,7 @@ fn limits(job: &Job) -> impl Iterator<Item = Limit> {
 }
 
 fn is_map(job: &Job) -> bool {
-    job.chart == bipenalty::cli::Chart::Map
+    job.chart == analyses::cli::Chart::Map
 }
 
 fn draw(job: &Job, model: &Model, rows: &[Vec<StabilityRow>], theta: f64, output: &Output) -> Result<usize> {

@@ -7,13 +7,13 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use bipenalty::cli::{
+use analyses::charts;
+use analyses::cli::{
     Chart, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress, RatioSpec, SceneOptions, Solved,
     Verdict, arguments, check_stems, finish, paper, point_answers, print_summaries, redraw_stability,
 };
-use bipenalty::error::{Refusal, Result};
-use bipenalty::plot::charts;
-use bipenalty::record::StabilityRow;
+use analyses::error::{Refusal, Result};
+use analyses::record::StabilityRow;
 use bipenalty::scene::built_in;
 use bipenalty::stability::{Axis, SchemeLimit, contour, scheme_contour};
 use clap::{Parser, ValueHint};

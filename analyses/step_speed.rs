@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
-use bipenalty::cli::{Verdict, arguments, finish};
-use bipenalty::error::Result;
+use analyses::cli::{Verdict, arguments, finish};
+use analyses::error::Result;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
 use bipenalty::pencil::Penalty;
@@ -77,7 +77,7 @@ fn compare(options: &Options) -> Result<Verdict> {
 }
 
 fn peers() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("analyses/peers")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("peers")
 }
 
 /// The compiled C peer, or why there is none.

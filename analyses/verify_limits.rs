@@ -10,13 +10,13 @@
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use bipenalty::cli::{
+use analyses::charts::verification;
+use analyses::cli::{
     Contact, OpeningOptions, OpeningPlan, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments,
     check_stems, checked_grid, finish, print_verification, require_memory,
 };
-use bipenalty::error::{Refusal, Result};
-use bipenalty::plot::verify_charts;
-use bipenalty::record::{StabilityRow, VerifyRow};
+use analyses::error::{Refusal, Result};
+use analyses::record::{StabilityRow, VerifyRow};
 use bipenalty::scene::{Scene, load};
 use bipenalty::schemes::{Scheme, SchemeName};
 use bipenalty::stability::{Axis, Grid, Model, map};
@@ -217,7 +217,7 @@ impl Study {
                     job.models.iter().map(|model| self.prediction(model, job)).collect();
                 // Without curves there is nothing to mark the points on: the records hold them.
                 if let Some(predicted) = predicted? {
-                    let figure = verify_charts::limits(&predicted, &rows, self.beta_s.log);
+                    let figure = verification::limits(&predicted, &rows, self.beta_s.log);
                     files += output.write_figure(&job.stem, &figure)?.len();
                 }
             }
@@ -286,7 +286,7 @@ fn measure(model: &Model, job: &Job, grid: &Grid, progress: &Progress) -> Result
 
 /// Whether the curves of a grid can be told apart.
 fn is_drawn(grid: &Grid) -> bool {
-    grid.stiffness_penalties.len() > 1 && grid.ratios.len() <= verify_charts::MOST_RATIOS
+    grid.stiffness_penalties.len() > 1 && grid.ratios.len() <= verification::MOST_RATIOS
 }
 
 fn explain(job: &Job, grid: &Grid) -> String {

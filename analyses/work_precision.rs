@@ -9,20 +9,21 @@
 use std::process::ExitCode;
 use std::time::Duration;
 
-use bipenalty::cli::{
+use analyses::charts;
+use analyses::cli::{
     Output, OutputOptions, Peers, Progress, Verdict, arguments, finish, machine, print_table,
     restarted_with_one_blas_thread,
 };
-use bipenalty::error::Result;
+use analyses::error::Result;
+use analyses::record::WorkRow;
 use bipenalty::fem::MassMatrix;
-use bipenalty::plot::{Figure, precision_charts};
-use bipenalty::precision::{
+use bipenalty::schemes::SchemeName;
+use clap::Parser;
+use figure::Figure;
+use precision::{
     Clock, EIGENPROBLEMS, ExactEigenvalues, Impactproblem, Measurement, Method, SCENES, SIZES, Status,
     mark_front, markdown, measure_eigenvalues, measure_impacts,
 };
-use bipenalty::record::WorkRow;
-use bipenalty::schemes::SchemeName;
-use clap::Parser;
 
 /// Error against run time of every engine and scheme, beside peers; exit status 1 if an engine errs more than it claims.
 #[derive(Debug, Parser)]
@@ -154,11 +155,11 @@ fn write(output: &Output, plan: &Plan, measurements: &[Measurement], rows: &[Wor
     if output.wants_figures() {
         let draw = |stem: &str, figure: &Figure| output.write_figure_from(RECORDS, stem, figure);
         let size = plan.sizes.iter().copied().filter(|size| *size <= 1000).max().unwrap_or(plan.sizes[0]);
-        let figure = precision_charts::eigenvalue_errors(rows, size);
+        let figure = charts::precision::eigenvalue_errors(rows, size);
         files += draw("eigenvalue-error", &figure)?.len();
-        files += draw("eigenvalue-time", &precision_charts::eigenvalue_times(rows))?.len();
+        files += draw("eigenvalue-time", &charts::precision::eigenvalue_times(rows))?.len();
         for scene in SCENES {
-            let figure = precision_charts::impact_errors(rows, scene);
+            let figure = charts::precision::impact_errors(rows, scene);
             files += draw(&format!("stepping-{scene}"), &figure)?.len();
         }
     }

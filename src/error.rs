@@ -47,18 +47,6 @@ pub enum Error {
         /// What the operating system said.
         source: std::io::Error,
     },
-    /// Records could not be turned into text.
-    #[error("the records could not be written: {0}")]
-    Record(String),
-    /// A figure could not be drawn.
-    #[cfg(feature = "plot")]
-    #[error("the figure {name} could not be drawn: {source}")]
-    Figure {
-        /// The file name without its ending.
-        name: String,
-        /// What the drawing layer said.
-        source: crate::plot::PlotError,
-    },
 }
 
 /// The result of everything here that can fail.

@@ -13,8 +13,7 @@
 //! A [`scene`] says which bars there are; [`fem`] assembles it, with a mass matrix, into a [`pencil`]; [`penalty`]
 //! turns (beta_s, r) into s and m; an engine of [`spectrum`] encloses the largest eigenvalue; [`stability`] makes time
 //! steps and maps of it. [`schemes`] step in time, [`impact`] makes runs of them beside exact solutions, [`verify`] finds
-//! their limits by stepping alone. [`precision`] holds extreme inputs against extended precision, and error against run
-//! time. [`record`] writes what came out.
+//! their limits by stepping alone.
 //!
 //! One critical time step, with its proof:
 //!
@@ -79,8 +78,8 @@
 //! ```
 //!
 //! # Features
-//! None is on by default: `cargo add bipenalty` brings the library alone. `plot` adds the charts, `cli` the command line
-//! tools and the charts, `lapack` an independent engine that needs a system LAPACK.
+//! None is on by default; `lapack` adds an independent engine that needs a system LAPACK. The command line tools, the
+//! charts and the bench are packages beside this one, in `analyses/`.
 //!
 //! # Symbols
 //! | symbol | name in code | unit | meaning |
@@ -92,18 +91,12 @@
 //! | omega, l | `omega_max`, `l` | rad/s, rad^2/s^2 | a frequency and its square, never one named as the other |
 //! | C, C_r | `relative_courant`, `critical_courant` | 1 | dt/dt_cr, c0 dt_cr/h |
 
-#[cfg(feature = "cli")]
-pub mod cli;
 pub mod error;
 pub mod fem;
 pub mod impact;
 pub mod memory;
 pub mod penalty;
 pub mod pencil;
-#[cfg(feature = "plot")]
-pub mod plot;
-pub mod precision;
-pub mod record;
 pub mod scene;
 pub mod schemes;
 pub mod sparse;

@@ -39,7 +39,7 @@ done < <(blocks sh README.md analyses/*.md | sed 's/ *#.*//' | awk 'NF && !seen[
 
 blocks toml README.md >"$scratch/my-bars.toml"
 export PATH=$PWD/target/release:$PATH
-for tool in $(awk -F'"' '/^\[\[bin\]\]/ { bin = 1 } bin && /^name/ { print $2; bin = 0 }' Cargo.toml); do
+for tool in $(awk -F'"' '/^\[\[bin\]\]/ { bin = 1 } bin && /^name/ { print $2; bin = 0 }' analyses/Cargo.toml); do
     cargo build --release --quiet --bin "$tool"
     # An example is a line that begins with the tool; two spaces end it.
     while read -r command; do

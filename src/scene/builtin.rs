@@ -1,14 +1,14 @@
-//! The scenes of the paper, compiled in from the files under `analyses/scenes/`.
+//! The scenes of the paper, compiled in from the files under `built_in/`.
 
 use super::{Scene, file};
 use crate::error::Result;
 
 /// Name and TOML text of every built-in scene.
 pub const BUILT_IN: [(&str, &str); 4] = [
-    ("signorini", include_str!("../../analyses/scenes/signorini.toml")),
-    ("symmetric", include_str!("../../analyses/scenes/symmetric.toml")),
-    ("hunek", include_str!("../../analyses/scenes/hunek.toml")),
-    ("bouncing-bar", include_str!("../../analyses/scenes/bouncing-bar.toml")),
+    ("signorini", include_str!("built_in/signorini.toml")),
+    ("symmetric", include_str!("built_in/symmetric.toml")),
+    ("hunek", include_str!("built_in/hunek.toml")),
+    ("bouncing-bar", include_str!("built_in/bouncing-bar.toml")),
 ];
 
 /// The built-in scene of this name, or `None`.

@@ -1,0 +1,260 @@
+//! What a figure shows. Nothing here knows how it is drawn.
+
+/// Printed width of a figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Width {
+    /// One column of a journal page, 90 mm.
+    Single,
+    /// The full width of a journal page, 190 mm.
+    Double,
+}
+
+impl Width {
+    /// Width in millimetres.
+    pub fn millimetres(self) -> f64 {
+        match self {
+            Self::Single => 90.0,
+            Self::Double => 190.0,
+        }
+    }
+}
+
+/// Where curves and markers are named.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Naming {
+    /// Beside the lines if every name finds a free place, else in a legend.
+    #[default]
+    Auto,
+    /// In a legend below the panels.
+    Legend,
+}
+
+/// One picture: panels in reading order on a grid, perhaps a colour bar.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// Printed width.
+    pub width: Width,
+    /// Panels, row by row.
+    pub panels: Vec<Panel>,
+    /// Panels per row; at least 1.
+    pub columns: usize,
+    /// Height of a panel's frame over its width.
+    pub aspect: f64,
+    /// How the colours of [`Layer::Cells`] are read; shared by all panels.
+    pub colour_bar: Option<ColourBar>,
+    /// Where curves and markers are named.
+    pub naming: Naming,
+}
+
+impl Figure {
+    /// A figure with all panels in one row, of golden-section shape.
+    pub fn new(width: Width, panels: Vec<Panel>) -> Self {
+        /// Height over width, about the golden section.
+        const ASPECT: f64 = 0.68;
+        Self {
+            width,
+            columns: panels.len().max(1),
+            panels,
+            aspect: ASPECT,
+            colour_bar: None,
+            naming: Naming::Auto,
+        }
+    }
+
+    /// The same figure at another width: one panel above the other in a column, one as wide as the page kept low.
+    pub fn at_width(mut self, width: Width) -> Self {
+        /// Height over width of a panel that takes the whole page.
+        const LOW: f64 = 0.4;
+        self.width = width;
+        match width {
+            Width::Single => self.columns = 1,
+            Width::Double if self.columns == 1 && self.panels.len() > 1 => self.columns = 2,
+            Width::Double if self.columns == 1 => self.aspect = self.aspect.min(LOW),
+            Width::Double => (),
+        }
+        self
+    }
+}
+
+/// One pair of axes and what is drawn between them.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// Title above the frame (markup).
+    pub title: Option<String>,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Drawn in this order, the first at the bottom.
+    pub layers: Vec<Layer>,
+}
+
+impl Panel {
+    /// A panel without title.
+    pub fn new(x: Axis, y: Axis, layers: Vec<Layer>) -> Self {
+        Self { title: None, x, y, layers }
+    }
+
+    /// The same panel with a title (markup).
+    pub fn titled(mut self, title: impl Into<String>) -> Self {
+        self.title = Some(title.into());
+        self
+    }
+}
+
+/// Spacing of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal differences have equal lengths.
+    Linear,
+    /// Equal quotients have equal lengths; positive values only.
+    Log,
+}
+
+/// An axis.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// Quantity and unit (markup).
+    pub label: String,
+    /// Spacing.
+    pub scale: Scale,
+    /// Both ends, or `None` to take them from the data.
+    pub range: Option<(f64, f64)>,
+}
+
+impl Axis {
+    /// A linear axis whose range comes from the data.
+    pub fn linear(label: impl Into<String>) -> Self {
+        Self { label: label.into(), scale: Scale::Linear, range: None }
+    }
+
+    /// A logarithmic axis whose range comes from the data.
+    pub fn log(label: impl Into<String>) -> Self {
+        Self { scale: Scale::Log, ..Self::linear(label) }
+    }
+
+    /// The same axis with fixed ends.
+    pub fn over(mut self, low: f64, high: f64) -> Self {
+        self.range = Some((low, high));
+        self
+    }
+}
+
+/// Perceptually uniform colour maps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColourMap {
+    /// Dark blue over green to yellow.
+    #[default]
+    Viridis,
+    /// Dark blue to yellow; made for colour-blind readers.
+    Cividis,
+}
+
+/// The scale by which the colours of a map are read.
+#[derive(Clone, Debug)]
+pub struct ColourBar {
+    /// Label, scale and range of the values; values outside take the end colours.
+    pub axis: Axis,
+    /// Colours.
+    pub map: ColourMap,
+}
+
+/// A point in the units of the axes.
+pub type DataPoint = (f64, f64);
+
+/// Which side of a line is shaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Towards smaller y.
+    Below,
+    /// Towards larger y.
+    Above,
+}
+
+/// A reference line across the panel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum At {
+    /// Vertical line at this x.
+    X(f64),
+    /// Horizontal line at this y.
+    Y(f64),
+}
+
+/// Something drawn between the axes. Labels are markup, see [`crate`].
+/// A `style` picks colour, dash and marker shape together, so that equal styles look equal: 0 blue,
+/// solid, disc; 1 vermilion, dashed, square; 2 green, dotted, triangle; 3 purple, dash-dotted,
+/// diamond; 4 black; 5 orange; 6 sky blue; 7 grey; 8 light grey, solid, for noise behind the others; then again from 0.
+#[derive(Clone, Debug)]
+pub enum Layer {
+    /// Predicted values, joined; a point that is not finite leaves a gap.
+    Curve {
+        /// Points in drawing order.
+        points: Vec<DataPoint>,
+        /// Name of the curve.
+        label: Option<String>,
+        /// Index into the theme.
+        style: usize,
+    },
+    /// Measured or computed single values.
+    Markers {
+        /// Points.
+        points: Vec<DataPoint>,
+        /// Name of the series.
+        label: Option<String>,
+        /// Index into the theme.
+        style: usize,
+        /// Whether a thin line guides the eye from marker to marker.
+        joined: bool,
+    },
+    /// The exact solution: a thin black line; jumps are two points with the same x.
+    Exact {
+        /// Points in drawing order.
+        points: Vec<DataPoint>,
+        /// Name of the line.
+        label: Option<String>,
+    },
+    /// A straight reference line across the panel, dotted grey.
+    Rule {
+        /// Where.
+        at: At,
+        /// Text set beside it.
+        label: Option<String>,
+    },
+    /// One side of a line, lightly shaded, for instance the stable one.
+    Shade {
+        /// The line that bounds the shade.
+        points: Vec<DataPoint>,
+        /// The shaded side.
+        side: Side,
+        /// Text set inside.
+        label: Option<String>,
+    },
+    /// A map of coloured cells, each reaching half way to its neighbours on the axes.
+    Cells {
+        /// Cell centres along x, increasing.
+        x: Vec<f64>,
+        /// Cell centres along y, increasing.
+        y: Vec<f64>,
+        /// `values[j * x.len() + i]` at `(x[i], y[j])`; NaN is grey.
+        values: Vec<f64>,
+    },
+    /// A line of constant value, perhaps in several pieces, named on the longest.
+    Contour {
+        /// Pieces, each joined in order.
+        lines: Vec<Vec<DataPoint>>,
+        /// The value, set in a gap of the line.
+        label: Option<String>,
+    },
+}
+
+impl Layer {
+    /// A named curve.
+    pub fn curve(points: Vec<DataPoint>, label: impl Into<String>, style: usize) -> Self {
+        Self::Curve { points, label: Some(label.into()), style }
+    }
+
+    /// Named markers, not joined.
+    pub fn markers(points: Vec<DataPoint>, label: impl Into<String>, style: usize) -> Self {
+        Self::Markers { points, label: Some(label.into()), style, joined: false }
+    }
+}

@@ -1,0 +1,389 @@
+//! The charts of the tools, made of records only.
+
+use crate::record::{OptimalRatioRow, StabilityRow};
+use figure::isolines;
+use figure::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Side, Width, literal};
+
+/// Label of the critical Courant number.
+const COURANT: &str = "critical Courant number *C*_{r}";
+const STIFFNESS: &str = "stiffness penalty *β*_{s}";
+const RATIO: &str = "penalty ratio *r*";
+
+/// C_r over beta_s, one panel a model and one curve a ratio, all on one scale of C_r. Points that could not be
+/// certified leave a gap. A curve r < 1 that cannot be told from r = 1 is not drawn, but named with it.
+pub fn curves(models: &[Vec<StabilityRow>], log: bool) -> Figure {
+    panels_of(models, log, models.iter().map(|rows| distinct(rows)).collect())
+}
+
+/// As [`curves`], with every ratio drawn and named for itself; r = 1 below the others.
+pub(super) fn all_curves(models: &[Vec<StabilityRow>], log: bool) -> Figure {
+    let named = |rows: &Vec<StabilityRow>| {
+        let mut curves = curves_of(rows);
+        curves.sort_by_key(|(ratio, _)| *ratio != 1.0);
+        let drawn = |(ratio, points)| Drawn { ratio, label: format!("*r* = {}", number(ratio)), points };
+        curves.into_iter().map(drawn).collect()
+    };
+    panels_of(models, log, models.iter().map(named).collect())
+}
+
+fn panels_of(models: &[Vec<StabilityRow>], log: bool, mut drawn: Vec<Vec<Drawn>>) -> Figure {
+    let styles = Styles::of(models);
+    let curves = drawn.iter_mut().flatten();
+    curves.for_each(|curve| curve.points.retain(|(beta_s, _)| !log || *beta_s > 0.0));
+    let values = drawn.iter().flatten().flat_map(|curve| curve.points.iter().map(|point| point.1));
+    let range = shared_range(values.filter(|c| c.is_finite()));
+    let panels = models.iter().zip(drawn).map(|(rows, curves)| {
+        let x = if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
+        let layer = |curve: Drawn| Layer::curve(curve.points, curve.label, styles.style(curve.ratio));
+        let y = Axis { range, ..Axis::linear(COURANT) };
+        let stable = stable_side(&curves);
+        let layers = stable.into_iter().chain(curves.into_iter().map(layer));
+        Panel::new(x, y, layers.collect()).titled(title(rows))
+    });
+    figure(panels.collect())
+}
+
+/// The side below all curves, where every step is stable.
+fn stable_side(curves: &[Drawn]) -> Option<Layer> {
+    let mut points = curves.first()?.points.clone();
+    for (i, (beta_s, lowest)) in points.iter_mut().enumerate() {
+        for curve in curves {
+            // Curves of other abscissae have no common envelope; a gap in one is a gap of the shade.
+            let (other, value) = *curve.points.get(i)?;
+            if other != *beta_s {
+                return None;
+            }
+            *lowest = if value < *lowest || value.is_nan() { value } else { *lowest };
+        }
+    }
+    let drawable = points.iter().filter(|point| point.1.is_finite()).count() > 1;
+    let label = if curves.len() == 1 { "stable" } else { "stable for all *r* shown" };
+    drawable.then(|| Layer::Shade { points, side: Side::Below, label: Some(label.to_owned()) })
+}
+
+/// A curve as it is drawn.
+struct Drawn {
+    ratio: f64,
+    label: String,
+    points: Vec<(f64, f64)>,
+}
+
+/// The curves of one model that can be told apart, named.
+fn distinct(rows: &[StabilityRow]) -> Vec<Drawn> {
+    let curves = curves_of(rows);
+    let optimal = curves.iter().find(|(ratio, _)| *ratio == 1.0).map(|(_, points)| points.clone());
+    let hidden =
+        |(ratio, points): &(f64, Vec<(f64, f64)>)| *ratio < 1.0 && !differs(points, optimal.as_deref());
+    let some_hidden = curves.iter().any(hidden);
+    let shown = curves.into_iter().filter(|curve| !hidden(curve));
+    shown
+        .map(|(ratio, points)| {
+            let relation = if some_hidden && ratio == 1.0 { "≤" } else { "=" };
+            Drawn { ratio, label: format!("*r* {relation} {}", number(ratio)), points }
+        })
+        .collect()
+}
+
+/// Styles that can be told apart.
+pub(super) const STYLES: usize = 8;
+
+/// The style of every ratio of a figure: the ratios of the paper keep theirs in every chart, the others take what is
+/// left in turn.
+pub(super) struct Styles(Vec<(f64, usize)>);
+
+impl Styles {
+    /// The styles for all ratios of `models`.
+    pub(super) fn of(models: &[Vec<StabilityRow>]) -> Self {
+        const PAPER: [(f64, usize); 6] =
+            [(1.0, 0), (2.0, 1), (3.0, 2), (0.5, 3), (f64::INFINITY, 4), (0.25, 5)];
+        let mut styles: Vec<(f64, usize)> = Vec::new();
+        let mut others = Vec::new();
+        for (ratio, _) in models.iter().flat_map(|rows| curves_of(rows)) {
+            match PAPER.iter().find(|(known, _)| *known == ratio) {
+                Some(known) => styles.push(*known),
+                None if !others.contains(&ratio) => others.push(ratio),
+                None => (),
+            }
+        }
+        let taken: Vec<usize> = styles.iter().map(|(_, style)| *style).collect();
+        let free: Vec<usize> = (0..STYLES).filter(|style| !taken.contains(style)).collect();
+        let cycle = free.iter().chain(&taken).copied().cycle();
+        styles.extend(others.into_iter().zip(cycle));
+        Self(styles)
+    }
+
+    /// The style of a ratio.
+    pub(super) fn style(&self, ratio: f64) -> usize {
+        self.0.iter().find(|(known, _)| *known == ratio).map_or(0, |(_, style)| *style)
+    }
+}
+
+/// Whether two curves are more than the width of a line apart somewhere.
+fn differs(points: &[(f64, f64)], reference: Option<&[(f64, f64)]>) -> bool {
+    const LINE_WIDTH: f64 = 0.005;
+    let Some(reference) = reference else { return true };
+    points.iter().zip(reference).any(|(a, b)| (a.1 - b.1).abs() > LINE_WIDTH * b.1)
+}
+
+/// The range of all values with some air, so that panels can be compared; `None` if there is none.
+fn shared_range(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {
+    let (low, high) = (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max));
+    let air = 0.05 * (high - low);
+    (air > 0.0).then_some((low - air, high + air))
+}
+
+/// Whether values are spread more evenly over a logarithmic axis than over a linear one.
+pub fn is_logarithmic(values: &[f64]) -> bool {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    // The largest gap as a share of the whole range.
+    let unevenness = |of: fn(f64) -> f64| {
+        let gaps = values.windows(2).map(|pair| of(pair[1]) - of(pair[0]));
+        gaps.fold(0.0, f64::max) / (of(values[values.len() - 1]) - of(values[0]))
+    };
+    let positive = values.first().is_some_and(|least| *least > 0.0);
+    positive
+        && values.iter().all(|value| value.is_finite())
+        && unevenness(f64::ln) < unevenness(|value| value)
+}
+
+/// The rows of one model as curves (r, points), in their order, the points of each by increasing beta_s.
+pub(super) fn curves_of(rows: &[StabilityRow]) -> Vec<(f64, Vec<(f64, f64)>)> {
+    let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
+    for row in rows {
+        let point = (row.stiffness_penalty.0, row.critical_courant.map_or(f64::NAN, |c| c.0));
+        match curves.last_mut() {
+            Some((ratio, points)) if *ratio == row.ratio.0 => points.push(point),
+            _ => curves.push((row.ratio.0, vec![point])),
+        }
+    }
+    curves.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
+    curves
+}
+
+/// The contact-free limit over gamma: computed points on the closed form sqrt((1+2g)/3) of (26).
+pub fn mass_family(models: &[Vec<StabilityRow>]) -> Figure {
+    let computed: Vec<(f64, f64)> =
+        models.iter().flatten().filter_map(|row| Some((row.gamma.0, row.critical_courant?.0))).collect();
+    let exact = |i: usize| {
+        let gamma = i as f64 / 100.0;
+        (gamma, ((1.0 + 2.0 * gamma) / 3.0).sqrt())
+    };
+    let layers = vec![
+        Layer::Exact { points: (0..=100).map(exact).collect(), label: Some("√((1 + 2γ)/3)".to_owned()) },
+        Layer::markers(computed, "computed", 0),
+    ];
+    let x = Axis::linear("mass matrix γ (0 consistent, 1 lumped)").over(0.0, 1.0);
+    figure(vec![Panel::new(x, Axis::linear(COURANT), layers).titled("contact-free limit")])
+}
+
+/// Levels worth a contour line: round values between the smallest C_r of the rows and just below the largest.
+pub fn levels(rows: &[StabilityRow]) -> Vec<f64> {
+    const ROUND: [f64; 10] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.2, 0.4, 0.8, 1.2];
+    let values = || rows.iter().filter_map(|row| row.critical_courant).map(|c| c.0);
+    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+    ROUND.into_iter().filter(|level| *level > 1.1 * low && *level < 0.97 * high).collect()
+}
+
+/// Contour lines of one model: the level and the points (beta_s, r) of its line.
+pub type ContourLines = Vec<(f64, Vec<(f64, f64)>)>;
+
+/// The contour lines of the rows of one model, interpolated on their grid; what [`map`] draws where the exact lines
+/// are not known.
+pub fn interpolated_contours(rows: &[StabilityRow]) -> ContourLines {
+    let grid = MapGrid::of(rows);
+    let lines = |level: f64| {
+        let lines = isolines(&grid.x, &grid.y, &grid.values, level);
+        lines.into_iter().map(move |line| (level, line))
+    };
+    levels(rows).into_iter().flat_map(lines).collect()
+}
+
+/// The rows of one model as a grid with increasing axes.
+struct MapGrid {
+    /// beta_s.
+    x: Vec<f64>,
+    /// r.
+    y: Vec<f64>,
+    /// C_r, row by row of constant r.
+    values: Vec<f64>,
+}
+
+impl MapGrid {
+    fn of(rows: &[StabilityRow]) -> Self {
+        let mut curves = curves_of(rows);
+        curves.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self {
+            x: curves.first().map_or_else(Vec::new, |(_, points)| points.iter().map(|(b, _)| *b).collect()),
+            y: curves.iter().map(|(ratio, _)| *ratio).collect(),
+            values: curves.iter().flat_map(|(_, points)| points.iter().map(|(_, c)| *c)).collect(),
+        }
+    }
+}
+
+/// C_r as colours over (beta_s, r), both logarithmic, with contour lines; one panel a model.
+pub fn map(models: &[Vec<StabilityRow>], contours: &[ContourLines]) -> Figure {
+    let panels = models.iter().zip(contours).map(|(rows, lines)| {
+        let MapGrid { x, y, values } = MapGrid::of(rows);
+        let cells = Layer::Cells { x, y, values };
+        let contour = |(level, points): &(f64, Vec<(f64, f64)>)| Layer::Contour {
+            lines: vec![points.clone()],
+            label: Some(number(*level)),
+        };
+        let rule = Layer::Rule { at: At::Y(1.0), label: Some("*r* = 1".to_owned()) };
+        let layers = std::iter::once(cells).chain(lines.iter().map(contour)).chain([rule]);
+        Panel::new(Axis::log(STIFFNESS), Axis::log(RATIO), layers.collect()).titled(title(rows))
+    });
+    let mut figure = figure(panels.collect());
+    figure.colour_bar = Some(ColourBar { axis: Axis::log("*C*_{r}"), map: ColourMap::Viridis });
+    figure
+}
+
+/// The optimal ratio over beta_s, one curve a mass matrix, and the width of its enclosure. Where no ratio costs a step,
+/// or every one does, there is no curve; `None` if that is everywhere.
+pub fn optimal_ratio(models: &[Vec<OptimalRatioRow>], log: bool) -> Option<Figure> {
+    let x = || if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
+    let (mut values, mut widths, mut found) = (Vec::new(), Vec::new(), Vec::new());
+    for (style, rows) in models.iter().enumerate() {
+        // Where every ratio costs a step, the largest that does not is 0.
+        let some = |row: &&OptimalRatioRow| row.optimal_ratio.is_some_and(|ratio| ratio.0 > 0.0);
+        let mut rows: Vec<&OptimalRatioRow> = rows.iter().filter(some).collect();
+        rows.sort_by(|a, b| a.stiffness_penalty.0.total_cmp(&b.stiffness_penalty.0));
+        let Some(first) = rows.first() else { continue };
+        let name = literal(&first.mass);
+        let curve = |of: fn(&OptimalRatioRow) -> Option<f64>| {
+            rows.iter().map(|row| (row.stiffness_penalty.0, of(row).unwrap_or(f64::NAN))).collect::<Vec<_>>()
+        };
+        let ratios = curve(|row| Some(row.optimal_ratio?.0));
+        found.extend(ratios.iter().map(|(_, ratio)| *ratio));
+        values.push(Layer::curve(ratios, &name, style));
+        // An enclosure of no width has no place on a logarithmic axis.
+        let width = curve(|row| Some(row.upper?.0 - row.lower?.0).filter(|width| *width > 0.0));
+        if width.iter().any(|(_, width)| width.is_finite()) {
+            widths.push(Layer::curve(width, name, style));
+        }
+    }
+    let row = models.iter().flatten().next()?;
+    let of_scheme = matches!(row.limit, "predictor-corrector" | "park");
+    let (least, most) =
+        found.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), r| (low.min(*r), high.max(*r)));
+    let (y, title) = if of_scheme {
+        let title = format!("{}, {}", scene_name(&row.scene), limit_name(row.limit));
+        (Axis::linear("largest *r* without cost").over(0.0, 1.5), title)
+    } else {
+        (Axis::linear("optimal ratio *r*").over(0.9 * least, 1.1 * most), scene_name(&row.scene))
+    };
+    if values.is_empty() {
+        return None;
+    }
+    let mut panels = vec![Panel::new(x(), y, values).titled(literal(&title))];
+    if !widths.is_empty() {
+        let y = Axis::log("width of the enclosure of *r*");
+        panels.push(Panel::new(x(), y, widths).titled("proven to within"));
+    }
+    let mut figure = figure(panels);
+    figure.naming = Naming::Legend;
+    Some(figure)
+}
+
+/// The same figure with whose limit each panel shows in its title.
+pub fn titled_by_limit(mut figure: Figure, panels: &[Vec<StabilityRow>]) -> Figure {
+    for (panel, rows) in figure.panels.iter_mut().zip(panels) {
+        let Some(row) = rows.first() else { continue };
+        panel.title = Some(literal(&format!("{}, {} mass", limit_name(row.limit), row.mass)));
+    }
+    figure
+}
+
+/// Whose limit, as a title names it.
+pub(super) fn limit_name(limit: &str) -> String {
+    match limit {
+        "central-difference" => "central difference".to_owned(),
+        "park" => "Park".to_owned(),
+        other => other.to_owned(),
+    }
+}
+
+/// What a ratio costs with a stiff contact: the step kept by every scheme with the first mass matrix, and the loss of the last
+/// scheme, Park's with `theta`, with every mass matrix. `models`: mass by mass, scheme by scheme, curves over a contact-free and a stiff beta_s.
+pub fn costs(models: &[Vec<Vec<StabilityRow>>], theta: f64) -> Figure {
+    let kept = |rows: &[StabilityRow]| -> Vec<(f64, f64)> {
+        let quotient = |(ratio, points): &(f64, Vec<(f64, f64)>)| match points[..] {
+            [(_, free), (_, stiff)] => Some((*ratio, stiff / free)),
+            _ => None,
+        };
+        curves_of(rows).iter().filter_map(quotient).collect()
+    };
+    let schemes = models.first().into_iter().flatten().enumerate().map(|(style, rows)| {
+        let name = rows.first().map_or(String::new(), |row| limit_name(row.limit));
+        Layer::curve(kept(rows), literal(&name), style)
+    });
+    let masses = models.iter().enumerate().filter_map(|(style, schemes)| {
+        let rows = schemes.last()?;
+        let loss: Vec<_> = kept(rows).into_iter().map(|(r, kept)| (r, 1.0 - kept)).collect();
+        Some(Layer::curve(loss, literal(&rows.first()?.mass), style))
+    });
+    let titles = models.first().and_then(|schemes| schemes.last()?.last()).map(|row| {
+        let at = format!("*β*_{{s}} = {}", number(row.stiffness_penalty.0));
+        (
+            format!("{}, {} mass, {at}", scene_name(&row.scene), row.mass),
+            format!("{}, *θ* = {theta}, {at}", limit_name(row.limit)),
+        )
+    });
+    let (mass, scheme) = titles.unwrap_or_default();
+    let kept = Axis::linear("share of the step kept").over(0.0, 1.05);
+    let left = Panel::new(Axis::log(RATIO), kept, schemes.collect()).titled(mass);
+    let right =
+        Panel::new(Axis::log(RATIO), Axis::log("share of the step lost"), masses.collect()).titled(scheme);
+    figure(vec![left, right])
+}
+
+/// One panel fits a column, more take the width of the page.
+fn figure(panels: Vec<Panel>) -> Figure {
+    let width = if panels.len() == 1 { Width::Single } else { Width::Double };
+    let mut figure = Figure::new(width, panels);
+    figure.columns = figure.columns.min(2);
+    figure
+}
+
+/// Scene, size and mass of the rows.
+fn title(rows: &[StabilityRow]) -> String {
+    let Some(row) = rows.first() else { return String::new() };
+    let plural = if row.elements == 1 { "" } else { "s" };
+    let mass = match row.mass.as_str() {
+        name @ ("lumped" | "averaged" | "consistent") => name.to_owned(),
+        gamma => format!("γ = {gamma}"),
+    };
+    let name = scene_name(&row.scene);
+    literal(&format!("{name}, {} element{plural}, {mass}", row.elements))
+}
+
+/// The built-in scenes by the names of the paper. A long name is cut: the title must fit above half a page.
+pub(super) fn scene_name(scene: &str) -> String {
+    const LONGEST_NAME: usize = 16;
+    match (scene, scene.char_indices().nth(LONGEST_NAME)) {
+        ("signorini", _) => "Signorini".to_owned(),
+        ("symmetric", _) => "symmetric contact".to_owned(),
+        ("hunek", _) => "Hunek".to_owned(),
+        ("bouncing-bar", _) => "bouncing bar".to_owned(),
+        (_, Some((cut, _))) => format!("{}…", &scene[..cut]),
+        _ => scene.to_owned(),
+    }
+}
+
+/// A number as a label: ∞, plain, or with a power of ten where that is shorter to read.
+pub(super) fn number(x: f64) -> String {
+    let plain = format!("{x}").replace('-', "−");
+    if x.is_infinite() {
+        return "∞".to_owned();
+    }
+    if x == 0.0 || (1e-3..1e4).contains(&x.abs()) {
+        return plain;
+    }
+    let power = format!("{x:e}").replace('-', "−");
+    match power.split_once('e') {
+        Some(("1", exponent)) => format!("10^{{{exponent}}}"),
+        Some((mantissa, exponent)) => format!("{mantissa}·10^{{{exponent}}}"),
+        None => plain,
+    }
+}

@@ -1,0 +1,12 @@
+//! The charts of the tools, made of records only.
+
+pub mod impacts;
+mod maps;
+pub mod opening;
+pub mod precision;
+pub mod verification;
+
+pub use maps::{
+    costs, curves, interpolated_contours, is_logarithmic, levels, map, mass_family, optimal_ratio,
+    titled_by_limit,
+};

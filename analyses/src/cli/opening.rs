@@ -1,0 +1,230 @@
+//! Runs with contact that opens and closes, below the linear limits: what they gain, and which step to recommend.
+
+use std::sync::Arc;
+
+use clap::{Args, ValueEnum};
+use rayon::prelude::*;
+
+use super::summary::short;
+use super::{Output, Progress, print_table};
+use crate::charts::opening::{gain_maps, is_map};
+use crate::error::{Refusal, Result};
+use crate::record::{OpeningRow, Recommendation, VerifyRow, scans};
+use bipenalty::impact::Run;
+use bipenalty::schemes::{Scheme, SchemeName};
+use bipenalty::stability::{Axis, Grid, Model};
+use bipenalty::verify::Point;
+use bipenalty::verify::opening::{LinearLimit, Load, MOST_STEPS, energy_gain, energy_put_in, is_proven};
+
+/// How contacts behave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Contact {
+    /// Held closed
+    Closed,
+    /// Opens and closes
+    Opening,
+}
+
+/// What only contact that opens and closes needs.
+#[derive(Debug, Clone, Args)]
+pub struct OpeningOptions {
+    /// Opening contact: steps over the predicted limit, each in (0, 1) [default: 0.1 to 0.9 by 0.1, and 0.99]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
+    pub fraction: Option<Axis>,
+}
+
+/// Steps over the predicted limit where nothing else is asked for.
+const FRACTIONS: [f64; 10] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.99];
+
+/// One run below the linear limit.
+struct Case {
+    run: Run,
+    load: Load,
+    point: Point,
+    predicted: f64,
+    contact_free_courant: f64,
+    proven: bool,
+}
+
+/// Runs that have passed their checks.
+pub struct OpeningPlan {
+    cases: Vec<Case>,
+    left_out: usize,
+}
+
+/// What they have gained.
+pub struct OpeningResult {
+    /// Run by run.
+    pub rows: Vec<OpeningRow>,
+    /// Limit by limit.
+    pub limits: Vec<VerifyRow>,
+    /// Whether what is proven to gain nothing gained nothing.
+    pub holds: bool,
+}
+
+impl OpeningPlan {
+    /// Every scheme on every model at every point of the grid under every load the scene can bear. Points that need more
+    /// than [`MOST_STEPS`] a run are left out.
+    ///
+    /// # Errors
+    /// Refuses fractions outside (0, 1), and what the limits and the runs refuse.
+    pub fn new(
+        models: &[Model],
+        schemes: &[SchemeName],
+        theta: f64,
+        grid: &Grid,
+        options: &OpeningOptions,
+    ) -> Result<Self, Refusal> {
+        let fractions = options.fraction.as_ref().map_or(&FRACTIONS[..], |axis| &axis.values);
+        if let Some(wrong) = fractions.iter().find(|f| !(**f > 0.0 && **f < 1.0)) {
+            return Err(Refusal::new("--fraction", wrong, "numbers between 0 and 1, both excluded"));
+        }
+        let mut plan = Self { cases: Vec::new(), left_out: 0 };
+        for model in models {
+            model.check_grid(grid)?;
+            model.check_pencil()?;
+            let pencil = model.pencil();
+            for scheme in schemes {
+                let scheme = scheme.with_theta(theta)?;
+                let limit = LinearLimit::new(model, &pencil, &*scheme)?;
+                for ratio in &grid.ratios {
+                    for stiffness_penalty in &grid.stiffness_penalties {
+                        let point = Point { stiffness_penalty: *stiffness_penalty, ratio: *ratio };
+                        plan.add(model, &scheme, point, &limit, fractions)?;
+                    }
+                }
+            }
+        }
+        Ok(plan)
+    }
+
+    fn add(
+        &mut self,
+        model: &Model,
+        scheme: &Arc<dyn Scheme>,
+        point: Point,
+        limit: &LinearLimit,
+        fractions: &[f64],
+    ) -> Result<(), Refusal> {
+        let predicted = limit.relative(point)?;
+        let mut cases = Vec::new();
+        for load in Load::ALL {
+            let Some(loaded) = load.on(model)? else { continue };
+            let run = Run::new(loaded, scheme.clone(), point.stiffness_penalty, point.ratio)?;
+            energy_put_in(&run, load)?;
+            for fraction in fractions {
+                cases.push(Case {
+                    run: run.clone().with_relative_courant(fraction * predicted)?,
+                    load,
+                    point,
+                    predicted,
+                    contact_free_courant: limit.contact_free_courant(),
+                    proven: is_proven(model, &**scheme),
+                });
+            }
+        }
+        if cases.iter().all(|case| case.run.steps() <= MOST_STEPS) {
+            self.cases.extend(cases);
+        } else {
+            self.left_out += 1;
+        }
+        Ok(())
+    }
+
+    /// Number of runs.
+    pub fn len(&self) -> usize {
+        self.cases.len()
+    }
+
+    /// Whether there is nothing to run.
+    pub fn is_empty(&self) -> bool {
+        self.cases.is_empty()
+    }
+
+    /// What would be computed, in words.
+    pub fn explain(&self) -> String {
+        let steps: u64 = self.cases.iter().map(|case| case.run.steps()).sum();
+        format!(
+            "contact that opens and closes: {} runs of {steps} steps in all, below the linear limits; left out: {} \
+             points that need more than {MOST_STEPS} steps a run\n",
+            self.len(),
+            self.left_out
+        )
+    }
+
+    /// Executes the runs, in parallel.
+    ///
+    /// # Errors
+    /// None that the plan has not found.
+    pub fn measure(&self, progress: &Progress) -> Result<OpeningResult, Refusal> {
+        let row = |case: &Case| {
+            let found = energy_gain(&case.run, case.load)?;
+            progress.add(1);
+            Ok(OpeningRow::new(&case.run, case.load, case.point, case.predicted, &found))
+        };
+        let rows: Vec<OpeningRow> = self.cases.par_iter().map(row).collect::<Result<_, Refusal>>()?;
+        // A sum of works, each at most of the size of the energy put in.
+        let rounding = |row: &OpeningRow| 4.0 * f64::EPSILON * row.steps as f64;
+        let kept = |(case, row): (&Case, &OpeningRow)| !case.proven || row.energy_gain.0 <= rounding(row);
+        let holds = self.cases.iter().zip(&rows).all(kept);
+        let mut cases = self.cases.iter();
+        let limit = |scan: &[OpeningRow]| {
+            let case = cases.nth(scan.len() - 1)?;
+            VerifyRow::opening(scan, case.contact_free_courant)
+        };
+        let limits = scans(&rows).filter_map(limit).collect();
+        Ok(OpeningResult { rows, limits, holds })
+    }
+}
+
+impl OpeningResult {
+    /// Writes the rows, what they recommend, and a map for each scene and mass; the number of files.
+    ///
+    /// # Errors
+    /// What the system says of a file, and what the drawing layer refuses.
+    pub fn write(&self, output: &Output) -> Result<usize> {
+        let mut files = output.write_rows("opening", &self.rows)?.len();
+        files += output.write_rows("opening-limits", &self.limits)?.len();
+        files += output.write_rows("recommendation", &Recommendation::all(&self.rows))?.len();
+        if !output.wants_figures() {
+            return Ok(files);
+        }
+        for rows in self.rows.chunk_by(|a, b| (&a.scene, &a.mass) == (&b.scene, &b.mass)) {
+            if is_map(rows) {
+                let stem = format!("opening-{}-{}", rows[0].scene, rows[0].mass);
+                files += output.write_figure_from("opening", &stem, &gain_maps(rows))?.len();
+            }
+        }
+        Ok(files)
+    }
+
+    /// Prints which step to take.
+    pub fn summarise(&self, plan: &OpeningPlan) {
+        let header = ["scheme", "mass", "r", "beta_s up to", "C without gain", "energy kept in an impact"];
+        let cells = |row: &Recommendation| {
+            let step =
+                if row.relative_courant.0 > 0.0 { digits(row.relative_courant.0) } else { "none".to_owned() };
+            vec![
+                row.scheme.to_owned(),
+                row.mass.clone(),
+                short(row.ratio.0),
+                short(row.largest_stiffness_penalty.0),
+                step,
+                row.energy_ratio.map_or("-".to_owned(), |kept| digits(kept.0)),
+            ]
+        };
+        eprintln!("contact that opens and closes:");
+        print_table(&header, Recommendation::all(&self.rows).iter().map(cells));
+        if plan.left_out > 0 {
+            eprintln!("left out: {} points that need more than {MOST_STEPS} steps a run", plan.left_out);
+        }
+        if !self.holds {
+            eprintln!("NOT AS PROVEN: the predictor-corrector gained energy below its limit");
+        }
+    }
+}
+
+/// Three digits after the point, rounded down: a step must not be rounded up.
+fn digits(x: f64) -> String {
+    format!("{:.3}", (1e3 * x).floor() / 1e3)
+}

@@ -1,0 +1,273 @@
+//! Files and standard output. Nothing is created before the run has something to write.
+
+use std::collections::{BTreeMap, HashSet};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::{Format, OutputOptions, StandardOutput};
+use crate::error::{Error, Refusal, Result};
+use crate::record::{self, FigureRecord, Provenance, Table};
+use figure::{Figure, Width};
+
+/// Where a run writes, checked before it computes.
+#[derive(Debug, Clone)]
+pub struct Output {
+    directory: PathBuf,
+    formats: Vec<Format>,
+    stdout: Option<StandardOutput>,
+    provenance: Provenance,
+    width: Option<Width>,
+    begun: Instant,
+    /// The records of the run by their stem: its figures speak of them.
+    tables: Arc<Mutex<BTreeMap<String, Table>>>,
+    /// The file that is drawn again, never to be overwritten.
+    source: Option<PathBuf>,
+}
+
+impl Output {
+    /// Prepares the output of `tool`, sets the number of threads, and checks that the directory can be written.
+    ///
+    /// # Errors
+    /// Refuses a directory that is a file or cannot be written to.
+    pub fn prepare(options: &OutputOptions, tool: &str) -> Result<Self> {
+        let directory = options.out.clone().unwrap_or_else(|| Path::new("figures").join(tool));
+        if options.stdout.is_none() && !options.explain {
+            check_writable(&directory)?;
+        }
+        if let Some(threads) = options.threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+            pool.map_err(|e| Refusal::new("--threads", threads, format!("what the system grants ({e})")))?;
+        }
+        Ok(Self {
+            directory,
+            formats: options.format.clone(),
+            stdout: options.stdout,
+            provenance: Provenance::new(tool, std::env::args().skip(1)),
+            width: options.width.map(Width::from),
+            begun: Instant::now(),
+            tables: Arc::default(),
+            source: None,
+        })
+    }
+
+    /// The same output for the figures of the records in `file`, which is left as it is.
+    pub fn redrawing(self, file: &Path) -> Self {
+        Self { source: file.canonicalize().ok(), ..self }
+    }
+
+    /// Tells on standard error how many files a run has written, if any.
+    pub fn report(&self, files: usize) {
+        match files {
+            0 => (),
+            1 => eprintln!("1 file in {}", self.directory.display()),
+            _ => eprintln!("{files} files in {}", self.directory.display()),
+        }
+    }
+
+    /// Whether figures are wanted at all.
+    pub fn wants_figures(&self) -> bool {
+        self.file_formats().any(|format| format.is_figure() || format == Format::Record)
+    }
+
+    /// Whether records go to standard output instead of files.
+    pub fn to_stdout(&self) -> bool {
+        self.stdout.is_some()
+    }
+
+    /// Prints `text` on standard output.
+    ///
+    /// # Errors
+    /// A closed pipe.
+    pub fn print_text(text: &str) -> Result<()> {
+        print_bytes(text.as_bytes())
+    }
+
+    /// Prints the rows of the whole run, if standard output was asked for.
+    ///
+    /// # Errors
+    /// A closed pipe.
+    pub fn print<R: Serialize>(&self, rows: impl IntoIterator<Item = R>) -> Result<()> {
+        let bytes = match self.stdout {
+            None => return Ok(()),
+            Some(StandardOutput::Csv) => record::csv(rows)?,
+            Some(StandardOutput::Json) => record::json(&self.provenance, rows)?,
+        };
+        print_bytes(&bytes)
+    }
+
+    /// Writes the rows as `stem.csv` and `stem.json`, as asked for.
+    ///
+    /// # Errors
+    /// What the system says of the file.
+    pub fn write_rows<R: Serialize + Clone>(&self, stem: &str, rows: &[R]) -> Result<Vec<PathBuf>> {
+        let mut written = Vec::new();
+        // The TeX source of a figure reads the records.
+        if self.writes(Format::Csv) || self.writes(Format::Tex) {
+            written.extend(self.write(stem, Format::Csv.ending(), &record::csv(rows)?)?);
+        }
+        if self.writes(Format::Json) {
+            written.extend(self.write(
+                stem,
+                Format::Json.ending(),
+                &record::json(&self.provenance, rows)?,
+            )?);
+        }
+        if self.wants_figures() && (self.writes(Format::Tex) || self.writes(Format::Record)) {
+            let table = Table::of(format!("{stem}.csv"), &record::csv(rows)?)?;
+            self.tables.lock().unwrap_or_else(PoisonError::into_inner).insert(stem.to_owned(), table);
+        }
+        Ok(written)
+    }
+
+    /// Writes `text`, a table of the records, as `stem.md` beside their CSV.
+    ///
+    /// # Errors
+    /// What the system says of the file.
+    pub fn write_markdown(&self, stem: &str, text: &str) -> Result<Vec<PathBuf>> {
+        if !self.writes(Format::Csv) {
+            return Ok(Vec::new());
+        }
+        Ok(self.write(stem, "md", text.as_bytes())?.into_iter().collect())
+    }
+
+    /// Draws `figure`, which shows the rows of the same stem, in the formats asked for, with its record.
+    ///
+    /// # Errors
+    /// What the drawing layer refuses and what the system says of the file.
+    pub fn write_figure(&self, stem: &str, figure: &Figure) -> Result<Vec<PathBuf>> {
+        self.write_figure_from(stem, stem, figure)
+    }
+
+    /// Draws `figure`, which shows rows written as `source`.
+    ///
+    /// # Errors
+    /// As [`Self::write_figure`].
+    pub fn write_figure_from(&self, source: &str, stem: &str, figure: &Figure) -> Result<Vec<PathBuf>> {
+        self.write_figure_of(stem, figure, &[source.to_owned()], None::<[(); 0]>)
+    }
+
+    /// Draws `figure`, which shows the rows written as `sources`; `about` are rows that say more of the same runs.
+    ///
+    /// # Errors
+    /// As [`Self::write_figure`].
+    pub fn write_figure_of<R: Serialize>(
+        &self,
+        stem: &str,
+        figure: &Figure,
+        sources: &[String],
+        about: Option<impl IntoIterator<Item = R>>,
+    ) -> Result<Vec<PathBuf>> {
+        // Nothing to show, such as the penetrations of bars that never touch.
+        if figure.panels.is_empty() {
+            return Ok(Vec::new());
+        }
+        let figure = match self.width {
+            Some(width) => &figure.clone().at_width(width),
+            None => figure,
+        };
+        let data: Vec<Table> = {
+            let tables = self.tables.lock().unwrap_or_else(PoisonError::into_inner);
+            sources.iter().filter_map(|stem| tables.get(stem)).cloned().collect()
+        };
+        let (mut written, mut images) = (Vec::new(), Vec::new());
+        for format in self.file_formats().filter(|format| format.is_figure()) {
+            let drawn = match format {
+                Format::Svg => figure.svg().map(String::into_bytes),
+                Format::Png => figure.png(),
+                Format::Pdf => figure.pdf(),
+                Format::Tex => figure.tex(stem, &data).map(|tex| {
+                    images = tex.images;
+                    tex.text.into_bytes()
+                }),
+                Format::Csv | Format::Json | Format::Record => continue,
+            };
+            let bytes = drawn.map_err(|source| Error::Figure { name: stem.to_owned(), source })?;
+            written.extend(self.write(stem, format.ending(), &bytes)?);
+        }
+        for (name, png) in &images {
+            written.extend(self.write(name, Format::Png.ending(), png)?);
+        }
+        if self.wants_figures() && self.writes(Format::Record) {
+            let about =
+                about.map(|rows| -> Result<_> { Ok(Table::of("", &record::csv(rows)?)?) }).transpose()?;
+            let width = figure.width.millimetres();
+            let mut record = FigureRecord::new(stem, width, self.provenance.clone(), &data, about.as_ref());
+            record.files =
+                written.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect();
+            record.seconds = self.begun.elapsed().as_secs_f64();
+            written.extend(self.write(stem, Format::Record.ending(), &record::figure_json(&record)?)?);
+        }
+        Ok(written)
+    }
+
+    fn writes(&self, format: Format) -> bool {
+        self.file_formats().any(|wanted| wanted == format)
+    }
+
+    fn file_formats(&self) -> impl Iterator<Item = Format> {
+        self.formats.iter().copied().filter(|_| self.stdout.is_none())
+    }
+
+    /// Writes a file whole or not at all: to a neighbour first, then renamed.
+    fn write(&self, stem: &str, ending: &str, bytes: &[u8]) -> Result<Option<PathBuf>> {
+        let path = self.directory.join(format!("{stem}.{ending}"));
+        if self.source.is_some() && path.canonicalize().ok() == self.source {
+            return Ok(None);
+        }
+        let draft = self.directory.join(format!(".{stem}.{ending}.part"));
+        let written = std::fs::create_dir_all(&self.directory)
+            .and_then(|()| std::fs::write(&draft, bytes))
+            .and_then(|()| std::fs::rename(&draft, &path));
+        match written {
+            Ok(()) => Ok(Some(path)),
+            Err(source) => Err(Error::File { path, wanted: "written", source }),
+        }
+    }
+}
+
+/// Refuses two parts of a run that would write the same files; the records of both may well be printed.
+///
+/// # Errors
+/// Names the first name of a file that comes twice.
+pub fn check_stems(options: &OutputOptions, stems: impl Iterator<Item = String>) -> Result<(), Refusal> {
+    let mut known = HashSet::new();
+    let mut stems = stems.filter(|_| options.stdout.is_none());
+    match stems.find(|stem| !known.insert(stem.clone())) {
+        None => Ok(()),
+        Some(stem) => Err(Refusal::new(
+            "SCENE, --mass or a list",
+            format!("a second run that writes {stem}"),
+            "scenes of different names and lists without repetition, or --stdout",
+        )),
+    }
+}
+
+fn print_bytes(bytes: &[u8]) -> Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
+    written.map_err(|source| Error::File { path: "standard output".into(), wanted: "written", source })
+}
+
+/// Asks the nearest existing directory above `directory` whether files can be made there.
+fn check_writable(directory: &Path) -> Result<(), Refusal> {
+    let refuse = |why: String| {
+        Err(Refusal::new("--out", directory.display(), format!("a directory that can be written ({why})")))
+    };
+    let existing = directory.ancestors().find(|path| path.exists() || path.as_os_str().is_empty());
+    let existing = match existing {
+        Some(path) if !path.as_os_str().is_empty() => path,
+        _ => Path::new("."),
+    };
+    if !existing.is_dir() {
+        return refuse(format!("{} is not a directory", existing.display()));
+    }
+    let probe = existing.join(format!(".bipenalty-{}", std::process::id()));
+    match std::fs::File::create_new(&probe).and_then(|_| std::fs::remove_file(&probe)) {
+        Ok(()) => Ok(()),
+        Err(error) => refuse(error.to_string()),
+    }
+}

@@ -1,0 +1,292 @@
+//! The table that answers the user's question first: how large is the linear limit of closed contact, and does r = 1 keep
+//! it? Nothing here is called safe: contact that opens and closes may gain energy below its linear limit.
+
+use comfy_table::presets::NOTHING;
+use comfy_table::{CellAlignment, Table};
+
+use super::Solved;
+use crate::record::{ImpactRow, Number, OptimalRatioRow, StabilityRow};
+use bipenalty::penalty::Ratio;
+use bipenalty::stability::{CriticalStep, Curve, Point};
+
+/// What the summary says of one scene with one mass matrix, over all its maps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapSummary {
+    scene: String,
+    elements: usize,
+    mass: String,
+    free: String,
+    linear_limit: String,
+    verdict: String,
+    lowest: Option<(f64, String)>,
+    points: usize,
+    uncertified: usize,
+    seconds: f64,
+    touches: bool,
+    /// Whether every value is certified and r = 1 keeps the element limit.
+    pub holds: bool,
+}
+
+/// What stands below every table of limits.
+const CAUTION: &str = "The limits are linear, of closed contact. Contact that opens and closes may gain energy below them: central \
+                       differences with a mass penalty did at every step measured; the predictor-corrector at r = 1/4 did not \
+                       up to C = 0.99 (verify-limits --contact opening).";
+
+const HEADER: [&str; 8] = [
+    "scene",
+    "elements",
+    "mass",
+    "C_r contact-free",
+    "linear limit at r = 1",
+    "r = 1 keeps the contact-free limit",
+    "smallest C_r (beta_s, r)",
+    "time",
+];
+
+impl MapSummary {
+    /// The summary of `solved`.
+    pub fn of(solved: &Solved) -> Self {
+        let model = &solved.model;
+        let free = solved.contact_free.map(|l| model.critical_step(l));
+        let optimal = smallest(&solved.optimal).map(|(step, _)| step);
+        let (verdict, keeps) = match (free, optimal) {
+            (Ok(free), Some(step)) => verdict(solved, free, step),
+            _ => ("not certified".to_owned(), false),
+        };
+        let lowest = solved.curves.iter().filter_map(|curve| Some((smallest(curve)?, curve.ratio)));
+        let lowest = lowest.min_by(|a, b| a.0.0.critical_courant.total_cmp(&b.0.0.critical_courant));
+        let points = || solved.curves.iter().flat_map(|curve| &curve.points);
+        let uncertified = points().filter(|point| point.step.is_err()).count();
+        Self {
+            scene: model.scene().name().to_owned(),
+            elements: model.scene().elements(),
+            mass: model.mass().name(),
+            free: free.map_or("-".to_owned(), |step| format!("{:.6}", step.critical_courant)),
+            linear_limit: optimal
+                .map_or("-".to_owned(), |step| format!("{:.5e} s", model.time_step(step.lower))),
+            verdict,
+            lowest: lowest.map(|((step, beta_s), ratio)| {
+                let at = format!("({}, {})", short(beta_s), short(ratio.get()));
+                (step.critical_courant, at)
+            }),
+            points: points().count(),
+            uncertified,
+            seconds: solved.seconds,
+            touches: !model.scales().is_empty(),
+            holds: uncertified == 0 && keeps,
+        }
+    }
+
+    /// Adds the summary of another map of the same scene and mass; `false` if it is of another one.
+    fn absorb(&mut self, other: &Self) -> bool {
+        if (&self.scene, self.elements, &self.mass) != (&other.scene, other.elements, &other.mass) {
+            return false;
+        }
+        let lower = |a: &(f64, String), b: &(f64, String)| a.0 < b.0;
+        if self.lowest.as_ref().zip(other.lowest.as_ref()).is_none_or(|(mine, theirs)| lower(theirs, mine)) {
+            self.lowest = other.lowest.clone();
+        }
+        if !other.holds {
+            self.verdict.clone_from(&other.verdict);
+        }
+        self.points += other.points;
+        self.uncertified += other.uncertified;
+        self.seconds += other.seconds;
+        self.holds &= other.holds;
+        true
+    }
+
+    fn cells(&self) -> Vec<String> {
+        let mut time = format!("{} in {}", count(self.points), duration(self.seconds));
+        if self.uncertified > 0 {
+            time += &format!(", {} not certified", self.uncertified);
+        }
+        let lowest = self.lowest.as_ref();
+        vec![
+            self.scene.clone(),
+            self.elements.to_string(),
+            self.mass.clone(),
+            self.free.clone(),
+            self.linear_limit.clone(),
+            self.verdict.clone(),
+            lowest.map_or("-".to_owned(), |(courant, at)| format!("{courant:.4e} {at}")),
+            time,
+        ]
+    }
+}
+
+/// The point of least C_r.
+fn smallest(curve: &Curve) -> Option<(CriticalStep, f64)> {
+    let certified = curve.points.iter().map(|p| Some((p.step.ok()?, p.stiffness_penalty.get())));
+    certified.flatten().min_by(|a, b| a.0.critical_courant.total_cmp(&b.0.critical_courant))
+}
+
+/// Whether r = 1 kept the contact-free limit, and how far off; false only if it fell below the element limit.
+fn verdict(solved: &Solved, free: CriticalStep, optimal: CriticalStep) -> (String, bool) {
+    if solved.model.scales().is_empty() {
+        return ("no contact".to_owned(), true);
+    }
+    if solved.limit.scheme().is_some() {
+        // A scheme need not keep it; what it keeps is the answer.
+        let kept = optimal.critical_courant / free.critical_courant;
+        let text =
+            if optimal.upper >= free.lower { "yes".to_owned() } else { format!("keeps {kept:.4} of it") };
+        return (text, true);
+    }
+    let units = (free.critical_courant - optimal.critical_courant) / (free.critical_courant * f64::EPSILON);
+    let scene = solved.model.scene();
+    let mass = solved.model.mass();
+    let element = scene.bars().iter().map(|bar| mass.element_eigenvalue(bar)).fold(0.0, f64::max);
+    let reference = solved.model.reference_eigenvalue();
+    let element_limit = solved.model.critical_courant(reference) * (reference / element).sqrt();
+    let above_element = optimal.upper >= element_limit * (1.0 - 4.0 * f64::EPSILON);
+    let text = match (optimal.upper >= free.lower, above_element) {
+        (true, _) => format!("yes ({:.1} eps)", units.max(0.0)),
+        (false, true) => {
+            format!("element limit yes, costs {:.1e}", 1.0 - optimal.critical_courant / free.critical_courant)
+        }
+        (false, false) => "NO".to_owned(),
+    };
+    (text, above_element)
+}
+
+/// Prints one line a scene and mass matrix.
+pub fn print_summaries(summaries: &[MapSummary]) {
+    let mut merged: Vec<MapSummary> = Vec::new();
+    for summary in summaries {
+        if !merged.iter_mut().any(|known| known.absorb(summary)) {
+            merged.push(summary.clone());
+        }
+    }
+    print_table(&HEADER, merged.iter().map(MapSummary::cells));
+    if merged.iter().any(|summary| summary.touches) {
+        eprintln!("{CAUTION}");
+    }
+}
+
+/// Scene, elements, mass, what was found and whether it holds: the middle of a line on optimal ratios.
+pub fn tabulate_ratios(rows: &[OptimalRatioRow]) -> Vec<String> {
+    let Some(first) = rows.first() else { return Vec::new() };
+    let found = rows.iter().filter_map(|row| Some((row.optimal_ratio?.0, row.upper?.0 - row.lower?.0)));
+    let narrowest = found.clone().min_by(|a, b| a.1.total_cmp(&b.1));
+    let widest = found.max_by(|a, b| a.1.total_cmp(&b.1));
+    let text = match (narrowest, widest) {
+        (Some((ratio, narrow)), Some((_, wide))) => format!("{ratio:.12}, {narrow:.1e} to {wide:.1e}"),
+        _ => "no ratio costs a step".to_owned(),
+    };
+    let failing = rows.iter().find(|row| !row.holds);
+    let holds =
+        failing.map_or("yes".to_owned(), |row| format!("NO, at beta_s = {}", short(row.stiffness_penalty.0)));
+    vec![first.scene.clone(), first.elements.to_string(), first.mass.clone(), text, holds]
+}
+
+/// Prints one line a run.
+pub fn print_impacts(rows: &[ImpactRow]) {
+    let header = [
+        "scene",
+        "mass",
+        "scheme",
+        "beta_s",
+        "r",
+        "force error",
+        "steady g/h",
+        "energy ratio",
+        "switches",
+        "ending",
+    ];
+    let optional = |x: Option<Number>| x.map_or("-".to_owned(), |x| format!("{:.4e}", x.0));
+    let cells = |row: &ImpactRow| {
+        vec![
+            row.scene.clone(),
+            row.mass.clone(),
+            row.scheme.to_owned(),
+            short(row.stiffness_penalty.0),
+            short(row.ratio.0),
+            optional(row.force_error),
+            optional(row.steady_relative_gap),
+            row.energy_ratio.map_or("-".to_owned(), |x| ratio(x.0)),
+            row.switches.to_string(),
+            row.ending.clone(),
+        ]
+    };
+    print_table(&header, rows.iter().map(cells));
+    let more = rows.iter().filter(|row| row.ending.contains("times its energy")).count();
+    if more > 0 {
+        let all = rows.len();
+        eprintln!(
+            "{more} of {all} runs ended with more energy than they were given: a step below the linear limit does not prevent \
+             it; the predictor-corrector at r = 1/4 (--scheme predictor-corrector --ratio 0.25) did not do so up to \
+             --relative-courant 0.99"
+        );
+    }
+    let blown_up = rows.iter().filter(|row| row.ending.starts_with("blew up")).count();
+    if blown_up > 0 {
+        let all = rows.len();
+        eprintln!(
+            "{blown_up} of {all} runs blew up, so that they have no errors and are in no figure: \
+             their step is too large for the scheme; a smaller --relative-courant or --ratio helps"
+        );
+    }
+}
+
+/// A ratio that is near 1 where all is well, and may be any number where it is not.
+fn ratio(x: f64) -> String {
+    if (1e-3..1e4).contains(&x) { format!("{x:.6}") } else { format!("{x:.4e}") }
+}
+
+/// Prints a plain table on standard error, as wide as its content.
+pub fn print_table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
+    let mut table = Table::new();
+    table.load_preset(NOTHING).set_header(header.iter().map(|cell| cell.to_string()));
+    table.add_rows(rows);
+    for column in table.column_iter_mut() {
+        column.set_padding((0, 2)).set_cell_alignment(CellAlignment::Left);
+    }
+    eprintln!("{}", table.trim_fmt());
+}
+
+/// The answer for each of a few points, in words.
+pub fn point_answers(solved: &Solved, rows: &[StabilityRow]) -> Vec<String> {
+    let points =
+        solved.curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve.ratio, point)));
+    let answer = |((ratio, point), row): ((Ratio, &Point), &StabilityRow)| {
+        let step = point.step.ok()?;
+        let pure = if ratio == Ratio::PURE_PENALTY { " (pure penalty)" } else { "" };
+        let free = solved.contact_free.ok().map(|l| solved.model.critical_step(l));
+        let evidence = match solved.limit.scheme() {
+            None => format!(", omega_max = {:e} rad/s", step.omega_max),
+            Some(scheme) => match free.filter(|free| free.upper < step.lower) {
+                None => format!(", {}", scheme.name()),
+                Some(free) => format!(
+                    ", {}; when the contact opens dt = {:e} s binds",
+                    scheme.name(),
+                    solved.model.time_step(free.lower)
+                ),
+            },
+        };
+        Some(format!(
+            "{}, {} mass, beta_s = {}, r = {}{pure}: linear limit of closed contact dt = {:e} s (C_r = {}{evidence})",
+            row.scene,
+            row.mass,
+            short(row.stiffness_penalty.0),
+            short(row.ratio.0),
+            solved.model.time_step(step.lower),
+            step.critical_courant,
+        ))
+    };
+    points.zip(rows).filter_map(answer).collect()
+}
+
+/// A number as short as it can be written.
+pub(super) fn short(x: f64) -> String {
+    let (plain, power) = (format!("{x}"), format!("{x:e}"));
+    if plain.len() <= power.len() { plain } else { power }
+}
+
+fn count(points: usize) -> String {
+    format!("{points} point{}", if points == 1 { "" } else { "s" })
+}
+
+fn duration(seconds: f64) -> String {
+    if seconds < 1e-3 { format!("{:.0} us", seconds * 1e6) } else { format!("{:.3} s", seconds) }
+}

@@ -1,0 +1,129 @@
+//! The rows that users' scripts read. Names and order of the fields are a promise.
+
+use serde::{Serialize, Serializer};
+
+use bipenalty::spectrum::Uncertified;
+use bipenalty::stability::{CriticalStep, Curve, Model, OptimalRatio};
+
+/// A number that may be infinite: written as the number, or as `inf`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Number(pub f64);
+
+impl Serialize for Number {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            finite if finite.is_finite() => serializer.serialize_f64(finite),
+            other => serializer.collect_str(&other),
+        }
+    }
+}
+
+/// One point of a stability map.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StabilityRow {
+    /// Name of the scene.
+    pub scene: String,
+    /// `lumped`, `averaged`, `consistent`, or gamma.
+    pub mass: String,
+    /// gamma of the mass matrix.
+    pub gamma: Number,
+    /// Elements of all bars.
+    pub elements: usize,
+    /// Whose limit: the spectrum's or a scheme's.
+    pub limit: &'static str,
+    /// beta_s.
+    pub stiffness_penalty: Number,
+    /// r.
+    pub ratio: Number,
+    /// omega_max, rad/s; empty for a limit other than the spectrum's, and where nothing could be certified.
+    pub omega_max: Option<Number>,
+    /// C_r = c0 dt_cr/h of the reference element; empty where it could not be certified.
+    pub critical_courant: Option<Number>,
+    /// Proven lower bound of C_r.
+    pub lower: Option<Number>,
+    /// Proven upper bound of C_r.
+    pub upper: Option<Number>,
+    /// The engine that found the value; "not certified" is appended where it could not be proven.
+    pub engine: String,
+}
+
+impl StabilityRow {
+    /// The rows of `curves`, curve by curve.
+    pub fn of(model: &Model, limit: &'static str, curves: &[Curve]) -> Vec<Self> {
+        let rows = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve.ratio, point)));
+        rows.map(|(ratio, point)| {
+            let engine = point.engine;
+            let step: Result<CriticalStep, Uncertified> = point.step;
+            let number = |f: fn(CriticalStep) -> f64| step.ok().map(|step| Number(f(step)));
+            Self {
+                scene: model.scene().name().to_owned(),
+                mass: model.mass().name(),
+                gamma: Number(model.mass().gamma()),
+                elements: model.scene().elements(),
+                limit,
+                stiffness_penalty: Number(point.stiffness_penalty.get()),
+                ratio: Number(ratio.get()),
+                omega_max: if limit == "spectrum" { number(|s| s.omega_max) } else { None },
+                critical_courant: number(|s| s.critical_courant),
+                lower: number(|s| s.lower),
+                upper: number(|s| s.upper),
+                engine: if step.is_ok() { engine.to_owned() } else { format!("{engine}, not certified") },
+            }
+        })
+        .collect()
+    }
+}
+
+/// One optimal ratio.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OptimalRatioRow {
+    /// Name of the scene.
+    pub scene: String,
+    /// `lumped`, `averaged`, `consistent`, or gamma.
+    pub mass: String,
+    /// gamma of the mass matrix.
+    pub gamma: Number,
+    /// Elements of all bars.
+    pub elements: usize,
+    /// Whose limit.
+    pub limit: &'static str,
+    /// beta_s.
+    pub stiffness_penalty: Number,
+    /// The largest r that costs no time step; empty where no ratio provably costs one.
+    pub optimal_ratio: Option<Number>,
+    /// Proven lower bound.
+    pub lower: Option<Number>,
+    /// Proven upper bound.
+    pub upper: Option<Number>,
+    /// Whether the enclosure contains the expected ratio.
+    pub holds: bool,
+}
+
+impl OptimalRatioRow {
+    /// The row of `found` at beta_s for a limit, held against the `expected` ratio; `None` if no ratio should cost a
+    /// step.
+    pub fn new(
+        model: &Model,
+        limit: &'static str,
+        beta_s: f64,
+        found: Option<OptimalRatio>,
+        expected: Option<f64>,
+    ) -> Self {
+        let contains = |found: OptimalRatio| match expected {
+            Some(expected) => found.lower <= expected && expected <= found.upper,
+            None => false,
+        };
+        Self {
+            scene: model.scene().name().to_owned(),
+            mass: model.mass().name(),
+            gamma: Number(model.mass().gamma()),
+            elements: model.scene().elements(),
+            limit,
+            stiffness_penalty: Number(beta_s),
+            optimal_ratio: found.map(|found| Number(found.value)),
+            lower: found.map(|found| Number(found.lower)),
+            upper: found.map(|found| Number(found.upper)),
+            holds: found.is_none_or(contains),
+        }
+    }
+}
