@@ -16,7 +16,7 @@
 //! their limits by stepping alone. [`precision`] holds extreme inputs against extended precision, and error against run
 //! time. [`record`] writes what came out.
 //!
-//! One critical time step, with its proof:
+//! One critical time step (linear limit, closed contact), with its enclosure:
 //!
 //! ```
 //! use bipenalty::fem::MassMatrix;
@@ -49,8 +49,8 @@
 //! let model = Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent);
 //! let grid = Grid::new(&Axis::log(1e-3, 1e12, 61)?, &Axis::list([1.0, f64::INFINITY]))?;
 //! let curves = map(&model, &grid, model.engine(EngineName::Auto, None).as_ref(), &|_| ());
-//! let safe = curves[0].points[60].step?;
-//! assert!(model.time_step(safe.lower) > 4.8e-7); // r = 1 keeps the step, in s, even at beta_s = 1e12
+//! let neutral = curves[0].points[60].step?;
+//! assert!(model.time_step(neutral.lower) > 4.8e-7); // r = 1 keeps the step, in s, even at beta_s = 1e12
 //! assert!(curves[1].points[60].step?.critical_courant < 2e-6); // the pure penalty method does not
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
