@@ -15,7 +15,7 @@
 //! steps and maps of it. [`schemes`] step in time, [`impact`] makes runs of them beside exact solutions, [`verify`] finds
 //! their limits by stepping alone.
 //!
-//! One critical time step, with its proof:
+//! One critical time step (linear limit, closed contact), with its enclosure:
 //!
 //! ```
 //! use bipenalty::fem::MassMatrix;

@@ -266,3 +266,62 @@ fn the_worst_errors_stay_below_what_is_promised() {
         assert!(error <= promised, "{name:?}");
     }
 }
+
+/// The last pole of T: the limit of l_max under a mass penalty without stiffness, which only holds the gap still.
+fn last_pole(model: &Model, pencil: &Pencil) -> f64 {
+    let held = Penalty { mass: 1e20 / pencil.compliance()[0], ..Penalty::default() };
+    model.engine(EngineName::Sturm, Some(pencil)).estimate(&[held], None)
+}
+
+/// Roots where the compressed secular function is worst: on both sides of the edges of its octaves, from next to the pole to far
+/// above, with a far end that is fixed (T(0) < 0), one element to 30, and mass penalties that leave c(l) what
+/// is left of two large numbers.
+#[test]
+fn roots_at_the_edges_of_octaves_are_enclosed() {
+    let rows = |left, n: [usize; 2], modulus| {
+        let bars = vec![bar(n[0] as f64, n[0], 1.0, 1.0, 1.0), bar(n[1] as f64, n[1], modulus, 1.0, 1.0)];
+        Scene::new("two", left, bars, End::Free, None).unwrap()
+    };
+    let alone = |left, n: usize| {
+        let bars = vec![bar(n as f64, n, 1.0, 1.0, 1.0)];
+        Scene::new("one", left, bars, End::Wall, None).unwrap()
+    };
+    let mut scenes = vec![rows(End::Free, [1, 2], 1e-3), rows(End::Fixed, [2, 5], 30.0)];
+    for n in [1, 2, 3, 30] {
+        scenes.extend([alone(End::Free, n), alone(End::Fixed, n)]);
+    }
+    let mut judged = 0;
+    for (scene, mass) in scenes.iter().flat_map(|scene| [0.0, 0.5, 1.0].map(|gamma| (scene, gamma))) {
+        let model = model(scene, MassMatrix::new(mass).unwrap());
+        let pencil = model.pencil();
+        let engine = model.engine(EngineName::Secular, Some(&pencil));
+        let closed_form = bipenalty::stability::ClosedForm::new(scene, model.mass());
+        let pole = last_pole(&model, &pencil);
+        for octave in [-39, -30, -20, -10, -3, -2, -1, 0, 1, 2, 10, 30] {
+            for side in [1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.1, 1.5, 1.9] {
+                let l = pole * (1.0 + side * 2f64.powi(octave));
+                let Some(stiffness) = closed_form.gap_stiffness(l) else { continue };
+                for inertia in [0.0, 1e-3, 1.0, 1e3] {
+                    let mass = inertia / pencil.compliance()[0];
+                    let penalty = Penalty { stiffness: stiffness + l * mass, mass, nodal_mass: 0.0 };
+                    if penalty.stiffness < 0.0 {
+                        continue;
+                    }
+                    let found = match engine.enclose(&[penalty], None) {
+                        Err(error) => {
+                            assert!(is_below_certification(&pencil, error.value), "{error}");
+                            continue;
+                        }
+                        Ok(found) => found,
+                    };
+                    let (lower, upper) = (Dd::from(found.lower), Dd::from(found.upper));
+                    assert!(holds(&pencil, &[penalty], lower, upper), "{scene:?}, {penalty:?}: {found:?}");
+                    let error = relative_error(&pencil, &[penalty], found.value, EXACT);
+                    assert!(error.is_some(), "{scene:?}, z = {side} * 2^{octave}, {penalty:?}: {found:?}");
+                    judged += 1;
+                }
+            }
+        }
+    }
+    assert!(judged > 4500, "{judged} roots only");
+}

@@ -13,6 +13,18 @@ use crate::spectrum::{
     Chain, Condensed, Enclosure, Engine, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
 };
 
+/// The sign of the computed T(l) - c(l) is right outside [l (1 - e), l (1 + e)] around the root l, e = ROUNDOFFS u (1 + B/l)
+/// with u = 2^-53 and B a bound of the stiffness, contacts included, relative to the mass.
+///
+/// q, w and the elimination take fewer than 24 roundings. Each is a relative error of T or of a part of it, which shifts the root by no
+/// more than itself, because |T| <= F' l at the root, F = T - c: where T = s - l m > 0, T = a l + b - sum <= a l <= T' l since b <= 0
+/// (T is negative for l < 0), and where it is negative, |T| = l m - s <= m l. (|T| <= T' l alone is false: a fixed element far
+/// below its band has T' l near 0 and T near -EA/h.) Inside the band, and close to its edge, the roundings of
+/// y = l/omega_e^2 - 1 and of the angle are relative errors of y, at most 14 of them, and shift l by B |y|, not by l: they are
+/// part of the term B/l. The stored entries of the pencil differ from EA/h and rho h A by 4 more, of which those of the
+/// mass count thrice: 24 + 12 for what goes with l, 28 and fewer for what goes with B.
+pub(super) const ROUNDOFFS: f64 = 36.0;
+
 /// What the contacts of a scene make of its equations.
 #[derive(Debug)]
 enum Kind {
@@ -82,13 +94,11 @@ impl ClosedForm {
         penalty.with_terms(&self.scales, |terms| self.is_above(terms, l))
     }
 
-    /// As `sturm_backward_error`, for the formulas: q, w and the elimination take fewer than 24 roundings, each a
-    /// relative error of T, which shifts the root by no more than itself because T' l >= |T|; the stored entries of
-    /// the pencil differ from EA/h and rho h A by 4 more, of which those of the mass count thrice.
+    /// The relative distance that rounding may shift the root of the computed T(l) = c(l): [`ROUNDOFFS`].
     fn backward_error(&self, terms: &[Terms], l: f64) -> f64 {
         let bars = self.shortened.chain().map_or(self.element_bound, |chain| chain.stiffness_bound(terms));
         let stiffness = bars + contact_bound(&self.compliance, terms);
-        UNIT_ROUNDOFF * (24.0 + 12.0 + 28.0 * stiffness / l)
+        UNIT_ROUNDOFF * ROUNDOFFS * (1.0 + stiffness / l)
     }
 
     /// The sign function of the spectrum: negative where an eigenvalue lies at or above l.

@@ -246,6 +246,13 @@ pub fn paper(
     let linear = Axis::linear(0.0, 10.0, 401)?;
     let (log_beta, log_ratio) = (Axis::log(1e-3, 1e12, 181)?, Axis::log(0.1, 1e3, 97)?);
     let mut jobs = vec![mass_family(scene("signorini", 1)?, form)?];
+    // Fig. 1: the penalty method against the bi-penalty method at its optimum.
+    let methods = Axis::list([1.0, f64::INFINITY]);
+    for mass in masses {
+        let model = Model::new(scene("signorini", 1)?, *mass, form);
+        let name = format!("fig1-{}", mass.name());
+        jobs.push(Job::new(name, vec![model], linear.clone(), methods.clone())?);
+    }
     for elements in [1, 100] {
         let pair = [scene("signorini", elements)?, scene("symmetric", elements)?];
         for mass in masses {
@@ -263,7 +270,7 @@ pub fn paper(
     Ok(jobs)
 }
 
-/// Fig. 1: the contact-free limit over gamma.
+/// The contact-free limit over gamma, (26).
 fn mass_family(scene: Scene, form: PenaltyMass) -> Result<Job, Refusal> {
     let gammas = Axis::linear(0.0, 1.0, 21)?;
     let models: Result<Vec<Model>, Refusal> = gammas
@@ -271,6 +278,6 @@ fn mass_family(scene: Scene, form: PenaltyMass) -> Result<Job, Refusal> {
         .iter()
         .map(|gamma| Ok(Model::new(scene.clone(), MassMatrix::new(*gamma)?, form)))
         .collect();
-    let job = Job::new("fig1".to_owned(), models?, Axis::list([0.0]), Axis::list([1.0]))?;
+    let job = Job::new("mass-matrices".to_owned(), models?, Axis::list([0.0]), Axis::list([1.0]))?;
     Ok(Job { chart: Chart::MassFamily, ..job })
 }
