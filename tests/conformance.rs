@@ -179,15 +179,15 @@ fn check(name: EngineName, accuracy: f64, cases: Vec<Case>) {
     let (mut failures, mut points, mut worst) = (Vec::new(), 0, 0.0);
     for Case { model, penalties } in &cases {
         let pencil = model.pencil();
-        let engine = model.engine(name, Some(&pencil));
-        let judge = Sturm::new(&pencil);
+        let engine = model.engine(name, &pencil).unwrap();
+        let judge = Sturm::new(pencil.chain().unwrap());
         for (beta_s, ratio) in penalties {
             let (b, r) = (StiffnessPenalty::new(*beta_s).unwrap(), Ratio::new(*ratio).unwrap());
             if model.check(b, r).is_err() {
                 continue;
             }
             points += 1;
-            let penalties = model.penalties(b, r);
+            let penalties = model.penalty(b, r);
             let found = engine.enclose(&penalties, None).map_err(|e| format!("not certified: {e}"));
             let exact = judge.enclose(&penalties, None).map_err(|e| format!("no verdict: {e}"));
             let error = exact.and_then(|exact| misses(found?, exact, accuracy));

@@ -6,13 +6,13 @@ use bipenalty::fem::MassMatrix;
 use bipenalty::impact::{Exact, Mesh, Recording, Run, Summary};
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::scene::built_in;
-use bipenalty::schemes::Scheme;
+use bipenalty::schemes::SchemeName;
 use bipenalty::stability::Model;
 
 const ELEMENTS: [usize; 7] = [50, 100, 200, 400, 800, 1600, 3200];
 
 /// Force error and relative rms stress error at t = 0.05 s, when the wave is half way down the bar.
-fn errors(elements: usize, mass: MassMatrix, scheme: Scheme, beta_s: f64) -> [f64; 2] {
+fn errors(elements: usize, mass: MassMatrix, scheme: SchemeName, beta_s: f64) -> [f64; 2] {
     let scene = built_in("signorini").unwrap().unwrap().with_elements(elements).unwrap();
     let model = Model::new(scene.clone(), mass, PenaltyMass::Consistent);
     let run = Run::new(model, scheme, StiffnessPenalty::new(beta_s).unwrap(), Ratio::OPTIMAL).unwrap();
@@ -38,30 +38,30 @@ fn order(errors: &[f64]) -> f64 {
 }
 
 /// Scheme, mass matrix, beta_s, and the orders of the force and the stress error.
-type Expected = (Scheme, MassMatrix, f64, [f64; 2]);
+type Expected = (SchemeName, MassMatrix, f64, [f64; 2]);
 
 /// Fitted over n = 50 to 3200. The solution jumps: an rms error of order p/(2 (p + 1)), 1/3 for a scheme of order 2 and 1/2
 /// where nothing disperses, is all there can be, and the mean of a few wiggles makes it uneven. Central differences with a
 /// stiff contact chatter: their force does not converge at all, their stress does.
 const ORDERS: [Expected; 18] = [
-    (Scheme::CentralDifference, MassMatrix::LUMPED, 1.0, [0.46, 0.37]),
-    (Scheme::CentralDifference, MassMatrix::AVERAGED, 1.0, [0.33, 0.42]),
-    (Scheme::CentralDifference, MassMatrix::CONSISTENT, 1.0, [0.24, 0.30]),
-    (Scheme::PredictorCorrector, MassMatrix::LUMPED, 1.0, [0.44, 0.34]),
-    (Scheme::PredictorCorrector, MassMatrix::AVERAGED, 1.0, [0.34, 0.40]),
-    (Scheme::PredictorCorrector, MassMatrix::CONSISTENT, 1.0, [0.21, 0.31]),
-    (Scheme::Park, MassMatrix::LUMPED, 1.0, [0.52, 0.47]),
-    (Scheme::Park, MassMatrix::AVERAGED, 1.0, [0.27, 0.40]),
-    (Scheme::Park, MassMatrix::CONSISTENT, 1.0, [0.22, 0.33]),
-    (Scheme::CentralDifference, MassMatrix::LUMPED, 1e4, [0.0, 0.44]),
-    (Scheme::CentralDifference, MassMatrix::AVERAGED, 1e4, [0.0, 0.38]),
-    (Scheme::CentralDifference, MassMatrix::CONSISTENT, 1e4, [0.0, 0.38]),
-    (Scheme::PredictorCorrector, MassMatrix::LUMPED, 1e4, [0.35, 0.30]),
-    (Scheme::PredictorCorrector, MassMatrix::AVERAGED, 1e4, [0.11, 0.18]),
-    (Scheme::PredictorCorrector, MassMatrix::CONSISTENT, 1e4, [0.31, 0.32]),
-    (Scheme::Park, MassMatrix::LUMPED, 1e4, [0.37, 0.41]),
-    (Scheme::Park, MassMatrix::AVERAGED, 1e4, [0.24, 0.28]),
-    (Scheme::Park, MassMatrix::CONSISTENT, 1e4, [0.30, 0.30]),
+    (SchemeName::CentralDifference, MassMatrix::LUMPED, 1.0, [0.46, 0.37]),
+    (SchemeName::CentralDifference, MassMatrix::AVERAGED, 1.0, [0.33, 0.42]),
+    (SchemeName::CentralDifference, MassMatrix::CONSISTENT, 1.0, [0.24, 0.30]),
+    (SchemeName::PredictorCorrector, MassMatrix::LUMPED, 1.0, [0.44, 0.34]),
+    (SchemeName::PredictorCorrector, MassMatrix::AVERAGED, 1.0, [0.34, 0.40]),
+    (SchemeName::PredictorCorrector, MassMatrix::CONSISTENT, 1.0, [0.21, 0.31]),
+    (SchemeName::Park, MassMatrix::LUMPED, 1.0, [0.52, 0.47]),
+    (SchemeName::Park, MassMatrix::AVERAGED, 1.0, [0.27, 0.40]),
+    (SchemeName::Park, MassMatrix::CONSISTENT, 1.0, [0.22, 0.33]),
+    (SchemeName::CentralDifference, MassMatrix::LUMPED, 1e4, [0.0, 0.44]),
+    (SchemeName::CentralDifference, MassMatrix::AVERAGED, 1e4, [0.0, 0.38]),
+    (SchemeName::CentralDifference, MassMatrix::CONSISTENT, 1e4, [0.0, 0.38]),
+    (SchemeName::PredictorCorrector, MassMatrix::LUMPED, 1e4, [0.35, 0.30]),
+    (SchemeName::PredictorCorrector, MassMatrix::AVERAGED, 1e4, [0.11, 0.18]),
+    (SchemeName::PredictorCorrector, MassMatrix::CONSISTENT, 1e4, [0.31, 0.32]),
+    (SchemeName::Park, MassMatrix::LUMPED, 1e4, [0.37, 0.41]),
+    (SchemeName::Park, MassMatrix::AVERAGED, 1e4, [0.24, 0.28]),
+    (SchemeName::Park, MassMatrix::CONSISTENT, 1e4, [0.30, 0.30]),
 ];
 
 /// How far a fitted order may be from the table.

@@ -8,15 +8,13 @@ mod common;
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
-use bipenalty::pencil::{Penalty, Pencil};
+use bipenalty::pencil::{Penalty, Pencil, Terms};
 use bipenalty::scene::{End, Scene};
-use bipenalty::spectrum::{Enclosure, Engine as _, Sturm, WIDEST_ENCLOSURE, certify};
+use bipenalty::spectrum::{Condensed as _, Enclosure, Engine as _, Sturm, WIDEST_ENCLOSURE, bisect, certify};
 use bipenalty::stability::{EngineName, Model};
 use common::double_double::Dd;
-use common::exact::{count_above, holds, relative_error};
-use common::scenes::{
-    any_beta_s, any_mass, any_ratio, any_scene, bar, decades, model, one_contact, penalties,
-};
+use common::exact::{count_above, count_terms_above, holds, relative_error};
+use common::scenes::{any_beta_s, any_mass, any_ratio, any_scene, bar, decades, model, one_contact, penalty};
 use proptest::prelude::*;
 
 /// C_r of the closed form, the secular function and Sturm: 1e-14, which is 2e-14 in l.
@@ -29,28 +27,28 @@ type Judgement = Result<(), TestCaseError>;
 /// must then answer "not certified". The dense one, which leaves a tenth of the width to rounding, gives up first,
 /// where 2 * 8u (1 + B/l) = 0.1 * 2e-13, at B/l = 10; half of that leaves room for the contacts.
 fn is_below_certification(pencil: &Pencil, l: f64) -> bool {
-    pencil.element_bound() > 5.0 * l
+    pencil.bounds().stiffness > 5.0 * l
 }
 
 /// l_max is in the enclosure, the critical step in its own, and neither is wider than what counts as certified.
-fn check(model: &Model, pencil: &Pencil, penalties: &[Penalty], name: EngineName) -> Judgement {
-    let found = match model.engine(name, Some(pencil)).enclose(penalties, None) {
+fn check(model: &Model, pencil: &Pencil, penalty: &Penalty, name: EngineName) -> Judgement {
+    let found = match model.engine(name, pencil).unwrap().enclose(penalty, None) {
         Err(error) if is_below_certification(pencil, error.value) => return Ok(()),
         Err(error) => return Err(TestCaseError::fail(format!("{name:?}: {error}"))),
         Ok(found) => found,
     };
     let (lower, upper) = (Dd::from(found.lower), Dd::from(found.upper));
-    prop_assert!(holds(pencil, penalties, lower, upper), "{:?}: l_max is not in {:?}", name, found);
+    prop_assert!(holds(pencil, penalty, lower, upper), "{:?}: l_max is not in {:?}", name, found);
     prop_assert!(found.relative_width() <= WIDEST_ENCLOSURE, "{:?}: too wide, {:?}", name, found);
     // The dense engine promises no more than its certificate: the value lies within it.
     let within = if name == EngineName::Dense { WIDEST_ENCLOSURE } else { EXACT };
-    let error = relative_error(pencil, penalties, found.value, within);
+    let error = relative_error(pencil, penalty, found.value, within);
     prop_assert!(error.is_some(), "{:?}: {:e} is off by more than {:e}", name, found.value, within);
     // The same for C_r, with l = 4 rate/C_r^2 formed in double-double.
     let step = model.critical_step(found);
     let rate = Dd::from(4.0 * model.reference_rate());
     let l = |courant: f64| rate / (Dd::from(courant) * Dd::from(courant));
-    let holds_step = holds(pencil, penalties, l(step.upper), l(step.lower));
+    let holds_step = holds(pencil, penalty, l(step.upper), l(step.lower));
     prop_assert!(holds_step, "{:?}: C_r is not in {:?}", name, step);
     prop_assert!(step.lower <= step.critical_courant && step.critical_courant <= step.upper, "{:?}", step);
     // Half the width of l, plus the four roundings on either side that the conversion allows for.
@@ -61,11 +59,11 @@ fn check(model: &Model, pencil: &Pencil, penalties: &[Penalty], name: EngineName
 
 fn check_all(model: &Model, beta_s: f64, ratio: f64, dense: bool) -> Judgement {
     let pencil = model.pencil();
-    let penalties = penalties(model, beta_s, ratio);
+    let penalty = penalty(model, beta_s, ratio);
     for name in [EngineName::ClosedForm, EngineName::Secular, EngineName::Sturm] {
-        check(model, &pencil, &penalties, name)?;
+        check(model, &pencil, &penalty, name)?;
     }
-    if dense { check(model, &pencil, &penalties, EngineName::Dense) } else { Ok(()) }
+    if dense { check(model, &pencil, &penalty, EngineName::Dense) } else { Ok(()) }
 }
 
 /// The judge is judged first: the eigenvalues of a free lumped bar are 4 (c0/h)^2 sin^2(k pi/2n), k = 0..n.
@@ -78,8 +76,8 @@ fn the_judge_counts_known_eigenvalues() {
     for k in 1..=n {
         let l = 4.0 * (k as f64 * std::f64::consts::PI / (2 * n) as f64).sin().powi(2);
         // The sine carries a few units of rounding, 1e-14 is plenty; the next eigenvalue is at least 1e-2 away.
-        assert_eq!(count_above(&pencil, &[], Dd::from(l * (1.0 - 1e-14))), n - k + 1, "k = {k}");
-        assert_eq!(count_above(&pencil, &[], Dd::from(l * (1.0 + 1e-14))), n - k, "k = {k}");
+        assert_eq!(count_above(&pencil, &Penalty::NONE, Dd::from(l * (1.0 - 1e-14))), n - k + 1, "k = {k}");
+        assert_eq!(count_above(&pencil, &Penalty::NONE, Dd::from(l * (1.0 + 1e-14))), n - k, "k = {k}");
     }
 }
 
@@ -90,8 +88,8 @@ fn the_judge_knows_a_penalised_element() {
     let scene = Scene::new("one", End::Free, bars, End::Wall, None).unwrap();
     let pencil = model(&scene, MassMatrix::LUMPED).pencil();
     for (s, m) in [(10.0, 0.0), (10.0, 1.25), (3.0, 0.5), (1e12, 1e11)] {
-        let p = [Penalty { stiffness: s, mass: m, nodal_mass: 0.0 }];
-        let nodal = [Penalty { stiffness: s, mass: 0.0, nodal_mass: m }];
+        let p = [Terms { stiffness: s, mass: m, nodal_mass: 0.0 }];
+        let nodal = [Terms { stiffness: s, mass: 0.0, nodal_mass: m }];
         // (2 - l)(2 + 2 s - l (1 + 2 m)) = 4 in units of half masses.
         let (a, b, c) = (1.0 + 2.0 * m, 4.0 + 2.0 * s + 4.0 * m, 4.0 * s);
         let larger = (b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
@@ -99,8 +97,14 @@ fn the_judge_knows_a_penalised_element() {
         // b^2 - 4ac loses at most a factor 4 here: some 20 units of rounding.
         for (l, above) in [(larger, 0), (smaller, 1)] {
             for contact in [&p, &nodal] {
-                assert_eq!(count_above(&pencil, contact, Dd::from(l * (1.0 + 1e-14))), above);
-                assert_eq!(count_above(&pencil, contact, Dd::from(l * (1.0 - 1e-14))), above + 1);
+                assert_eq!(
+                    count_terms_above(pencil.chain().unwrap(), contact, Dd::from(l * (1.0 + 1e-14))),
+                    above
+                );
+                assert_eq!(
+                    count_terms_above(pencil.chain().unwrap(), contact, Dd::from(l * (1.0 - 1e-14))),
+                    above + 1
+                );
             }
         }
     }
@@ -204,26 +208,26 @@ proptest! {
     ) {
         let model = model(&scene, mass);
         let pencil = model.pencil();
-        let penalties = penalties(&model, beta_s, ratio);
-        let sturm = Sturm::new(&pencil);
-        let Ok(right) = sturm.enclose(&penalties, None) else { return Err(TestCaseError::reject("heavy")) };
+        let penalty = penalty(&model, beta_s, ratio);
+        let sturm = Sturm::new(pencil.chain().unwrap());
+        let Ok(right) = sturm.enclose(&penalty, None) else { return Err(TestCaseError::reject("heavy")) };
         prop_assume!(!is_below_certification(&pencil, right.value));
         let spread = 0.45 * WIDEST_ENCLOSURE;
-        prop_assert!(sturm.verify(&penalties, right.value, spread).is_ok());
+        prop_assert!(sturm.verify(&penalty, right.value, spread).is_ok());
         let shift = if up { 3e-13 } else { -3e-13 };
-        prop_assert!(sturm.verify(&penalties, right.value * (1.0 + shift), spread).is_err());
+        prop_assert!(sturm.verify(&penalty, right.value * (1.0 + shift), spread).is_err());
         let shifted = Enclosure {
             value: right.value * (1.0 + shift),
             lower: right.lower * (1.0 + shift),
             upper: right.upper * (1.0 + shift),
         };
         prop_assert!(certify(shifted).is_ok(), "its shape alone gives nothing away");
-        prop_assert!(!holds(&pencil, &penalties, shifted.lower.into(), shifted.upper.into()));
+        prop_assert!(!holds(&pencil, &penalty, shifted.lower.into(), shifted.upper.into()));
         // Shrunk to a thousandth and moved aside by its old width.
         let width = right.upper - right.lower;
         let aside = right.value + if up { width } else { -width };
         let (lower, upper) = (aside - 1e-3 * width, aside + 1e-3 * width);
-        prop_assert!(!holds(&pencil, &penalties, lower.into(), upper.into()));
+        prop_assert!(!holds(&pencil, &penalty, lower.into(), upper.into()));
         // Misshapen enclosures are never certified.
         let reversed = Enclosure { lower: right.upper, upper: right.lower, ..right };
         let wide = Enclosure { lower: right.value * (1.0 - 3e-13), ..right };
@@ -231,7 +235,7 @@ proptest! {
         for misshapen in [reversed, wide, undefined] {
             prop_assert!(certify(misshapen).is_err(), "{:?}", misshapen);
         }
-        prop_assert!(sturm.verify(&penalties, f64::NAN, spread).is_err());
+        prop_assert!(sturm.verify(&penalty, f64::NAN, spread).is_err());
     }
 }
 
@@ -247,14 +251,14 @@ fn the_worst_errors_stay_below_what_is_promised() {
     for _ in 0..200 {
         let (scene, mass, beta_s, ratio) = strategy.new_tree(&mut runner).unwrap().current();
         let model = model(&scene, mass);
-        let (pencil, penalties) = (model.pencil(), penalties(&model, beta_s, ratio));
+        let (pencil, penalty) = (model.pencil(), penalty(&model, beta_s, ratio));
         for (name, error, width) in &mut worst {
-            let Ok(found) = model.engine(*name, Some(&pencil)).enclose(&penalties, None) else {
+            let Ok(found) = model.engine(*name, &pencil).unwrap().enclose(&penalty, None) else {
                 refused += 1;
                 continue;
             };
             let reach = WIDEST_ENCLOSURE;
-            *error = error.max(relative_error(&pencil, &penalties, found.value, reach).unwrap().abs());
+            *error = error.max(relative_error(&pencil, &penalty, found.value, reach).unwrap().abs());
             *width = width.max(found.relative_width());
         }
     }
@@ -268,9 +272,12 @@ fn the_worst_errors_stay_below_what_is_promised() {
 }
 
 /// The last pole of T: the limit of l_max under a mass penalty without stiffness, which only holds the gap still.
-fn last_pole(model: &Model, pencil: &Pencil) -> f64 {
-    let held = Penalty { mass: 1e20 / pencil.compliance()[0], ..Penalty::default() };
-    model.engine(EngineName::Sturm, Some(pencil)).estimate(&[held], None)
+fn last_pole(pencil: &Pencil) -> f64 {
+    let chain = pencil.chain().unwrap();
+    let held = [Terms { mass: 1e20 / chain.compliance()[0], ..Terms::default() }];
+    let sturm = Sturm::new(chain);
+    // From below every pole to above the elements' frequencies.
+    bisect(f64::MIN_POSITIVE, 2.0 * pencil.bounds().stiffness, |l| sturm.is_above(&held, l)).1
 }
 
 /// Roots where the compressed secular function is worst: on both sides of the edges of its octaves, from next to the pole to far
@@ -294,20 +301,23 @@ fn roots_at_the_edges_of_octaves_are_enclosed() {
     for (scene, mass) in scenes.iter().flat_map(|scene| [0.0, 0.5, 1.0].map(|gamma| (scene, gamma))) {
         let model = model(scene, MassMatrix::new(mass).unwrap());
         let pencil = model.pencil();
-        let engine = model.engine(EngineName::Secular, Some(&pencil));
+        let engine = model.engine(EngineName::Secular, &pencil).unwrap();
+        let (compliance, scale) = (pencil.chain().unwrap().compliance()[0], model.scales()[0].stiffness);
         let closed_form = bipenalty::stability::ClosedForm::new(scene, model.mass());
-        let pole = last_pole(&model, &pencil);
+        let pole = last_pole(&pencil);
         for octave in [-39, -30, -20, -10, -3, -2, -1, 0, 1, 2, 10, 30] {
             for side in [1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.1, 1.5, 1.9] {
                 let l = pole * (1.0 + side * 2f64.powi(octave));
                 let Some(stiffness) = closed_form.gap_stiffness(l) else { continue };
                 for inertia in [0.0, 1e-3, 1.0, 1e3] {
-                    let mass = inertia / pencil.compliance()[0];
-                    let penalty = Penalty { stiffness: stiffness + l * mass, mass, nodal_mass: 0.0 };
-                    if penalty.stiffness < 0.0 {
+                    let mass = inertia / compliance;
+                    let stiffness = stiffness + l * mass;
+                    if stiffness < 0.0 {
                         continue;
                     }
-                    let found = match engine.enclose(&[penalty], None) {
+                    let rate = stiffness / mass;
+                    let penalty = Penalty { stiffness: stiffness / scale, rate, ..Penalty::NONE };
+                    let found = match engine.enclose(&penalty, None) {
                         Err(error) => {
                             assert!(is_below_certification(&pencil, error.value), "{error}");
                             continue;
@@ -315,8 +325,8 @@ fn roots_at_the_edges_of_octaves_are_enclosed() {
                         Ok(found) => found,
                     };
                     let (lower, upper) = (Dd::from(found.lower), Dd::from(found.upper));
-                    assert!(holds(&pencil, &[penalty], lower, upper), "{scene:?}, {penalty:?}: {found:?}");
-                    let error = relative_error(&pencil, &[penalty], found.value, EXACT);
+                    assert!(holds(&pencil, &penalty, lower, upper), "{scene:?}, {penalty:?}: {found:?}");
+                    let error = relative_error(&pencil, &penalty, found.value, EXACT);
                     assert!(error.is_some(), "{scene:?}, z = {side} * 2^{octave}, {penalty:?}: {found:?}");
                     judged += 1;
                 }

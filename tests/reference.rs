@@ -65,8 +65,8 @@ fn errors(engine: EngineName, alter: impl Fn(f64) -> f64) -> Vec<(f64, usize)> {
         let model = Model::new(unit_scene(&row.scene, row.elements), mass, PenaltyMass::Consistent);
         let pencil = model.pencil();
         let penalties =
-            model.penalties(StiffnessPenalty::new(row.beta_s).unwrap(), Ratio::new(row.ratio).unwrap());
-        let step = model.engine(engine, Some(&pencil)).enclose(&penalties, None);
+            model.penalty(StiffnessPenalty::new(row.beta_s).unwrap(), Ratio::new(row.ratio).unwrap());
+        let step = model.engine(engine, &pencil).unwrap().enclose(&penalties, None);
         let step = model.critical_step(step.unwrap_or_else(|e| panic!("line {}: {e}", row.line)));
         let exact = alter(row.critical_courant);
         let held = step.lower <= exact && exact <= step.upper;

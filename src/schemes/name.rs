@@ -21,9 +21,18 @@ impl SchemeName {
     /// Every scheme.
     pub const ALL: [Self; 3] = [Self::CentralDifference, Self::PredictorCorrector, Self::Park];
 
+    /// The scheme with its usual parameters.
+    pub fn scheme(self) -> &'static dyn Scheme {
+        match self {
+            Self::CentralDifference => &CentralDifference,
+            Self::PredictorCorrector => &PredictorCorrector,
+            Self::Park => &Park::USUAL,
+        }
+    }
+
     /// The facts of this scheme.
     pub fn facts(self) -> Facts {
-        Arc::<dyn Scheme>::from(self).facts()
+        self.scheme().facts()
     }
 
     /// The name in records.
@@ -49,7 +58,7 @@ impl From<SchemeName> for Arc<dyn Scheme> {
         match name {
             SchemeName::CentralDifference => Arc::new(CentralDifference),
             SchemeName::PredictorCorrector => Arc::new(PredictorCorrector),
-            SchemeName::Park => Arc::new(Park::default()),
+            SchemeName::Park => Arc::new(Park::USUAL),
         }
     }
 }

@@ -5,7 +5,7 @@
 //! rows, a force between the two nodes it acts on, are again tridiagonal, and no entry is a sum of s with anything.
 //! (The engines eliminate the contact as d c/(d + c) or sum it in gap coordinates: neither is used here.)
 
-use bipenalty::pencil::{Gap, Penalty, Pencil};
+use bipenalty::pencil::{ChainPencil, EndGap, Penalty, Pencil, Terms};
 
 use super::double_double::Dd;
 
@@ -14,17 +14,23 @@ use super::double_double::Dd;
 /// Each entry takes at most 3 operations and each pivot 3 more, so the count is the exact one of an l that differs by
 /// 6 * 16 * 2^-106 (3 l + B + C)/l relative, B and C the element and the contact bound: below 1e-28 for all the
 /// scenes here ((B + C)/l < 100), that is 1e-14 of the rounding it judges.
-pub fn count_above(pencil: &Pencil, penalties: &[Penalty], l: Dd) -> usize {
+pub fn count_above(pencil: &Pencil, penalty: &Penalty, l: Dd) -> usize {
+    let chain = pencil.chain().expect("a row of bars");
+    count_terms_above(chain, &chain.terms(penalty), l)
+}
+
+/// The same for contacts of any stiffness and mass.
+pub fn count_terms_above(pencil: ChainPencil<'_>, terms: &[Terms], l: Dd) -> usize {
     let mut inertia = Inertia { l, pivot: None, positive: 0, negative_contacts: 0 };
     let (k, m) = (pencil.stiffness(), pencil.mass());
-    let mut contacts = pencil.gaps().iter().zip(penalties).peekable();
-    if let Some((Gap::Wall { node: 0 }, p)) = contacts.peek() {
+    let mut contacts = pencil.gaps().iter().zip(terms).peekable();
+    if let Some((EndGap::Wall { node: 0 }, p)) = contacts.peek() {
         inertia.force(p);
         contacts.next();
     }
     for i in 0..pencil.size() {
         let mut nodal = Dd::from(0.0);
-        for (gap, p) in pencil.gaps().iter().zip(penalties) {
+        for (gap, p) in pencil.gaps().iter().zip(terms) {
             if touches(gap, i) {
                 nodal = nodal + Dd::from(p.nodal_mass);
             }
@@ -46,15 +52,15 @@ pub fn count_above(pencil: &Pencil, penalties: &[Penalty], l: Dd) -> usize {
     inertia.positive - inertia.negative_contacts
 }
 
-fn touches(gap: &Gap, i: usize) -> bool {
+fn touches(gap: &EndGap, i: usize) -> bool {
     match *gap {
-        Gap::Wall { node } => node == i,
-        Gap::Pair { left } => left == i || left + 1 == i,
+        EndGap::Wall { node } => node == i,
+        EndGap::Pair { left } => left == i || left + 1 == i,
     }
 }
 
-fn force_follows(gap: &Gap, i: usize) -> bool {
-    matches!(*gap, Gap::Wall { node } | Gap::Pair { left: node } if node == i)
+fn force_follows(gap: &EndGap, i: usize) -> bool {
+    matches!(*gap, EndGap::Wall { node } | EndGap::Pair { left: node } if node == i)
 }
 
 /// The last row that was eliminated.
@@ -86,8 +92,8 @@ impl Inertia {
     }
 
     /// Eliminates the force of a contact with its node before; c = 0 exerts none.
-    fn force(&mut self, penalty: &Penalty) {
-        let c = Dd::from(penalty.stiffness) - self.l * Dd::from(penalty.mass);
+    fn force(&mut self, terms: &Terms) {
+        let c = Dd::from(terms.stiffness) - self.l * Dd::from(terms.mass);
         if c == Dd::from(0.0) {
             return;
         }
@@ -110,12 +116,12 @@ impl Inertia {
 }
 
 /// Whether l_max lies in [lower, upper].
-pub fn holds(pencil: &Pencil, penalties: &[Penalty], lower: Dd, upper: Dd) -> bool {
+pub fn holds(pencil: &Pencil, penalties: &Penalty, lower: Dd, upper: Dd) -> bool {
     lower <= upper && count_above(pencil, penalties, lower) > 0 && count_above(pencil, penalties, upper) == 0
 }
 
 /// l_max relative to `value`, minus 1, by bisection to 1e-24; `None` if it is off by more than `reach`.
-pub fn relative_error(pencil: &Pencil, penalties: &[Penalty], value: f64, reach: f64) -> Option<f64> {
+pub fn relative_error(pencil: &Pencil, penalties: &Penalty, value: f64, reach: f64) -> Option<f64> {
     let at = |e: f64| Dd::from(value) + Dd::from(value) * Dd::from(e);
     let (mut low, mut high) = (-reach, reach);
     if !holds(pencil, penalties, at(low), at(high)) {

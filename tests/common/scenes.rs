@@ -73,7 +73,7 @@ pub fn model(scene: &Scene, mass: MassMatrix) -> Model {
     Model::new(scene.clone(), mass, PenaltyMass::Consistent)
 }
 
-/// The penalties of `model` for plain numbers.
-pub fn penalties(model: &Model, beta_s: f64, ratio: f64) -> Vec<Penalty> {
-    model.penalties(StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(ratio).unwrap())
+/// The penalty of `model` for plain numbers.
+pub fn penalty(model: &Model, beta_s: f64, ratio: f64) -> Penalty {
+    model.penalty(StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(ratio).unwrap())
 }

@@ -2,10 +2,10 @@
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::impact::Recording;
-use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
-use bipenalty::pencil::{Gap, Penalty};
+use bipenalty::penalty::PenaltyMass;
+use bipenalty::pencil::Penalty;
 use bipenalty::scene::{End, Scene};
-use bipenalty::schemes::{Contact, ContactRule, Park, Scheme, Setup, Stepper};
+use bipenalty::schemes::{ContactRule, SchemeName, System};
 use bipenalty::stability::Model;
 
 use super::{run, unit_bar};
@@ -98,13 +98,13 @@ impl Textbook {
     }
 
     /// Force and gap of one step with the contact closed.
-    fn step(&mut self, scheme: Scheme) -> (f64, f64) {
+    fn step(&mut self, scheme: SchemeName) -> (f64, f64) {
         let last = self.u.len() - 1;
         let mut a = self.free(&self.u);
         let mu = self.inverse_mass[last];
         let one = Twice::of(1.0);
         let gap = self.u[last];
-        let lambda = if scheme == Scheme::CentralDifference {
+        let lambda = if scheme == SchemeName::CentralDifference {
             a[last] = (a[last] - mu * self.s * gap) / (one + self.m * mu);
             self.s * gap + self.m * a[last]
         } else {
@@ -124,10 +124,10 @@ impl Textbook {
 #[test]
 fn force_and_gap_keep_ten_digits_at_the_largest_penalties() {
     let elements = 12;
-    for scheme in [Scheme::CentralDifference, Scheme::PredictorCorrector] {
+    for scheme in [SchemeName::CentralDifference, SchemeName::PredictorCorrector] {
         for beta_s in [1e12, 1e16] {
             for c in [0.3, 0.45, 0.499_999_999_9, 0.7] {
-                if scheme == Scheme::PredictorCorrector && c > 0.5 {
+                if scheme == SchemeName::PredictorCorrector && c > 0.5 {
                     continue;
                 }
                 let (k, m_end) = (1.0, 0.5);
@@ -136,21 +136,16 @@ fn force_and_gap_keep_ten_digits_at_the_largest_penalties() {
                 let scene =
                     Scene::new("bar", End::Free, vec![unit_bar(elements, 0.1)], End::Wall, None).unwrap();
                 let pencil = Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent).pencil();
-                let penalty = Penalty { stiffness: s, mass: m, nodal_mass: 0.0 };
-                let contact =
-                    Contact { gap: Gap::Wall { node: n - 1 }, direction: 1.0, penalty, initial_gap: 0.0 };
-                let mut stepper = Stepper::new(Setup {
+                let system = System {
                     pencil: &pencil,
-                    contacts: vec![contact],
+                    penalty: Penalty { stiffness: s, rate: s / m, ..Penalty::NONE },
                     load: Vec::new(),
-                    scheme,
                     time_step: c,
+                    critical_step: 1.0,
                     rule: ContactRule::HeldClosed,
-                    park: Park { theta: 0.5, critical_step: 1.0 },
                     account: false,
-                })
-                .unwrap();
-                let mut state = stepper.start(vec![0.0; n], vec![0.1; n]);
+                };
+                let mut motion = scheme.scheme().start(system, vec![0.0; n], vec![0.1; n]).unwrap();
                 let mass = |i: usize| if i == 0 || i == n - 1 { m_end } else { 1.0 };
                 let mut textbook = Textbook {
                     k: Twice::of(k),
@@ -165,11 +160,11 @@ fn force_and_gap_keep_ten_digits_at_the_largest_penalties() {
                     (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
                 for _ in 0..400 {
                     let (force, gap) = textbook.step(scheme);
-                    stepper.step(&mut state);
+                    motion.step();
                     peak = peak.max(force.abs());
                     top = top.max(gap.abs());
-                    worst_force = worst_force.max((state.forces()[0] - force).abs());
-                    worst_gap = worst_gap.max((state.gaps()[0] - gap).abs());
+                    worst_force = worst_force.max((motion.state().force[0] - force).abs());
+                    worst_gap = worst_gap.max((motion.state().gap[0] - gap).abs());
                 }
                 println!(
                     "{} {beta_s:e} C = {c}: {:.1e} {:.1e}; gap {top:.1e}",
@@ -196,8 +191,8 @@ fn force_and_gap_keep_ten_digits_at_the_largest_penalties() {
 fn nearly_plastic_contact_keeps_the_gap_that_algebra_gives() {
     // C = 1/2, r = 1: m = dt^2 s, so that g = lambda/s at the end of every step.
     for beta_s in [1e12, 1e16] {
-        let run = run("signorini", MassMatrix::LUMPED, Scheme::PredictorCorrector, beta_s, 1.0);
-        let s = run.model().penalties(StiffnessPenalty::new(beta_s).unwrap(), Ratio::OPTIMAL)[0].stiffness;
+        let run = run("signorini", MassMatrix::LUMPED, SchemeName::PredictorCorrector, beta_s, 1.0);
+        let s = run.penalty().of(run.model().scales()[0].stiffness).0;
         let history = run.execute(&Recording::default(), None).unwrap();
         let h = 0.1;
         let closed = history.forces(0).zip(history.relative_gaps(0)).filter(|(force, _)| *force > 0.0);

@@ -2,8 +2,8 @@
 
 use bipenalty::impact::{History, Recording};
 use bipenalty::penalty::{Ratio, StiffnessPenalty};
-use bipenalty::pencil::{Penalty, Pencil, Tridiagonal};
-use bipenalty::schemes::{ContactRule, Energy, Scheme, State};
+use bipenalty::pencil::{Matrix, Pencil, Terms};
+use bipenalty::schemes::{ContactRule, Energy, SchemeName, State, System};
 
 use super::{MASSES, run};
 
@@ -11,15 +11,15 @@ use super::{MASSES, run};
 /// state one step after u = `before`, so that its velocity is the one between them.
 pub fn leapfrog_energy(
     pencil: &Pencil,
-    p: Penalty,
+    p: Terms,
     before: &[f64],
     after: &State,
     gaps: [f64; 2],
     dt: f64,
 ) -> f64 {
     let n = before.len();
-    let (v, after) = (after.stored_velocity(), after.displacement());
-    let form = |a: &Tridiagonal, x: &[f64], y: &[f64]| -> f64 {
+    let (v, after) = (&after.velocity, &after.displacement);
+    let form = |a: &Matrix, x: &[f64], y: &[f64]| -> f64 {
         let mut product = vec![0.0; n];
         a.multiply(y, &mut product);
         x.iter().zip(&product).map(|(x, y)| x * y).sum()
@@ -33,17 +33,17 @@ pub fn leapfrog_energy(
 fn central_differences_keep_their_energy_with_contact_held_open_or_closed() {
     for mass in MASSES {
         for (rule, beta_s) in [(ContactRule::HeldClosed, 5.0), (ContactRule::HeldOpen, 5.0)] {
-            let run = run("signorini", mass, Scheme::CentralDifference, beta_s, 2.0)
+            let run = run("signorini", mass, SchemeName::CentralDifference, beta_s, 2.0)
                 .with_relative_courant(0.6)
                 .unwrap()
                 .with_rule(rule);
             let model = run.model();
             let pencil = model.pencil();
-            let mut p = model.penalties(StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(2.0).unwrap())[0];
+            let penalty = model.penalty(StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(2.0).unwrap());
+            let mut p = penalty.terms(model.scales()[0]);
             if rule == ContactRule::HeldOpen {
-                p = Penalty::default();
+                p = Terms::default();
             }
-            let (mut stepper, _) = run.prepare(false).unwrap();
             let n = pencil.size();
             // Without momentum: a bar that flies away loses digits of its stress, which is no matter of the scheme.
             let mut velocity: Vec<f64> = (0..n).map(|i| 0.1 * ((i * i) as f64).sin()).collect();
@@ -52,15 +52,24 @@ fn central_differences_keep_their_energy_with_contact_held_open_or_closed() {
                 pencil.mass().multiply(&velocity, &mut product);
                 product
             };
-            let total: f64 = pencil.mass().diagonal.iter().sum::<f64>()
-                + 2.0 * pencil.mass().off_diagonal.iter().sum::<f64>();
+            let total = pencil.mass().quadratic(&vec![1.0; n], &vec![1.0; n]);
             let mean = momentum.iter().sum::<f64>() / total;
             velocity.iter_mut().for_each(|v| *v -= mean);
-            let mut state = stepper.start(vec![0.0; n], velocity);
+            let system = System {
+                pencil: &pencil,
+                penalty,
+                load: Vec::new(),
+                time_step: run.time_step(),
+                critical_step: run.critical_step(),
+                rule,
+                account: false,
+            };
+            let mut motion = run.scheme().start(system, vec![0.0; n], velocity).unwrap();
             let mut energy = || {
-                let (before, gap) = (state.displacement().to_vec(), state.gaps()[0]);
-                stepper.step(&mut state);
-                leapfrog_energy(&pencil, p, &before, &state, [gap, state.gaps()[0]], run.time_step())
+                let (before, gap) = (motion.state().displacement.clone(), motion.state().gap[0]);
+                motion.step();
+                let state = motion.state();
+                leapfrog_energy(&pencil, p, &before, state, [gap, state.gap[0]], run.time_step())
             };
             let start = energy();
             let worst = (1..100_000).map(|_| (energy() / start - 1.0).abs()).fold(0.0, f64::max);
@@ -78,21 +87,22 @@ fn predictor_corrector_energy_never_grows_below_the_limit() {
         for (beta_s, ratio, c) in
             [(1.0, 1.0, 0.8), (10.0, 1.0, 0.5), (30.0, 0.25, 0.95), (3.0, f64::INFINITY, 0.3)]
         {
-            let run = run("signorini", mass, Scheme::PredictorCorrector, beta_s, ratio)
+            let run = run("signorini", mass, SchemeName::PredictorCorrector, beta_s, ratio)
                 .with_relative_courant(c)
                 .unwrap()
                 .with_rule(ContactRule::HeldClosed);
             let pencil = run.model().pencil();
-            let p =
-                run.model().penalties(StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(ratio).unwrap())[0];
+            let p = run.penalty().terms(run.model().scales()[0]);
             let dt = run.time_step();
-            let (mut stepper, mut state) = run.prepare(false).unwrap();
-            let effective = p.stiffness / (1.0 + stepper.compliance(0) * (p.mass - dt * dt * p.stiffness));
+            let mut motion = run.prepare(false).unwrap();
+            let mu = pencil.chain().unwrap().compliance()[0];
+            let effective = p.stiffness / (1.0 + mu * (p.mass - dt * dt * p.stiffness));
             let mut energy = || {
-                let (before, gap) = (state.displacement().to_vec(), state.gaps()[0]);
-                stepper.step(&mut state);
-                let gaps = [gap, state.gaps()[0]];
-                let bars = leapfrog_energy(&pencil, Penalty::default(), &before, &state, gaps, dt);
+                let (before, gap) = (motion.state().displacement.clone(), motion.state().gap[0]);
+                motion.step();
+                let state = motion.state();
+                let gaps = [gap, state.gap[0]];
+                let bars = leapfrog_energy(&pencil, Terms::default(), &before, state, gaps, dt);
                 bars + 0.25 * effective * (gaps[0] * gaps[0] + gaps[1] * gaps[1])
             };
             energy();
@@ -118,16 +128,16 @@ fn park_energy_does_not_grow_below_the_limit() {
     // its start by 2 %. From one stretch of steps to the next its maximum must fall.
     for mass in MASSES {
         for (c, overshoot) in [(0.5, 1.002), (0.69, 1.03)] {
-            let run = run("signorini", mass, Scheme::Park, 1e4, 1.0)
+            let run = run("signorini", mass, SchemeName::Park, 1e4, 1.0)
                 .with_relative_courant(c)
                 .unwrap()
                 .with_rule(ContactRule::HeldClosed);
-            let (mut stepper, mut state) = run.prepare(true).unwrap();
-            let start = stepper.energy(&mut state).stored();
+            let mut motion = run.prepare(true).unwrap();
+            let start = motion.energy().stored();
             let mut top_of = |steps: usize| {
                 let mut energy = || {
-                    stepper.step(&mut state);
-                    stepper.energy(&mut state).stored()
+                    motion.step();
+                    motion.energy().stored()
                 };
                 (0..steps).map(|_| energy()).fold(0.0, f64::max)
             };
@@ -154,7 +164,7 @@ fn the_energy_balance_closes_in_every_record() {
     let recording = Recording { every: 3, energies: true, compare: false, stress_times: Vec::new() };
     for scene in ["signorini", "hunek", "bouncing-bar"] {
         for mass in MASSES {
-            for scheme in Scheme::ALL {
+            for scheme in SchemeName::ALL {
                 for beta_s in [1.0, 1e4, 1e12] {
                     let run = run(scene, mass, scheme, beta_s, 1.0);
                     let history = run.execute(&recording, None).unwrap();

@@ -3,8 +3,8 @@
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::scene::{End, Scene, built_in};
-use bipenalty::schemes::Scheme;
-use bipenalty::stability::{EngineName, Model};
+use bipenalty::schemes::{CentralDifference, Park, PredictorCorrector};
+use bipenalty::stability::Model;
 use bipenalty::verify::{Point, Search, largest_stable_courant, limits};
 
 use super::{MASSES, unit_bar};
@@ -19,16 +19,14 @@ fn model(scene: &str, elements: usize, mass: MassMatrix) -> Model {
 }
 
 fn predicted(model: &Model, point: Point) -> f64 {
-    let pencil = model.pencil();
-    let engine = model.engine(EngineName::ClosedForm, Some(&pencil));
-    let penalties = model.penalties(point.stiffness_penalty, point.ratio);
-    model.critical_courant(engine.estimate(&penalties, None))
+    let penalty = model.penalty(point.stiffness_penalty, point.ratio);
+    model.critical_courant(model.closed_form().unproven(&penalty))
 }
 
 /// The largest relative distance between prediction and the middle of the bracket.
 fn worst(model: &Model, points: &[Point], tolerance: f64) -> f64 {
-    let search = Search::to(tolerance, Scheme::CentralDifference).unwrap();
-    let found = limits(model, Scheme::CentralDifference, 0.5, points, &search).unwrap();
+    let search = Search::to(tolerance, &CentralDifference).unwrap();
+    let found = limits(model, &CentralDifference, points, &search).unwrap();
     let error = |(point, limit): (&Point, &bipenalty::verify::Limit)| {
         (limit.courant() / predicted(model, *point) - 1.0).abs()
     };
@@ -65,18 +63,18 @@ fn central_differences_have_the_limit_of_the_spectrum_on_a_map() {
 /// dt^2 = m/s + 1/(s mu), or the contact-free limit if that is smaller.
 fn predictor_corrector_limit(model: &Model, at: Point) -> f64 {
     let pencil = model.pencil();
-    let p = model.penalties(at.stiffness_penalty, at.ratio)[0];
-    let dt_squared = p.mass / p.stiffness + 1.0 / (p.stiffness * pencil.compliance()[0]);
+    let p = model.penalty(at.stiffness_penalty, at.ratio).terms(model.scales()[0]);
+    let dt_squared = p.mass / p.stiffness + 1.0 / (p.stiffness * pencil.chain().unwrap().compliance()[0]);
     let courant = (dt_squared * model.reference_rate()).sqrt();
     courant.min(predicted(model, point(0.0, 1.0)))
 }
 
 #[test]
 fn the_predictor_corrector_scheme_has_its_own_limit() {
-    let scheme = Scheme::PredictorCorrector;
+    let scheme = &PredictorCorrector;
     let search = Search::to(1e-4, scheme).unwrap();
     let check = |model: &Model, at: Point, expected: f64| {
-        let limit = largest_stable_courant(model, scheme, 0.5, at, &search).unwrap();
+        let limit = largest_stable_courant(model, scheme, at, &search).unwrap();
         println!("{} {at:?}: {limit:?}, expected {expected}", model.scene().name());
         assert!(limit.agrees(expected, 1e-4), "{limit:?} instead of {expected}");
     };
@@ -100,18 +98,17 @@ fn rigid_motion_of_free_bodies_is_not_growth() {
     let bars = vec![unit_bar(5, 0.0), unit_bar(10, 0.0)];
     let scene = Scene::new("free", End::Free, bars, End::Free, None).unwrap();
     let model = Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent);
-    let search = Search::to(1e-4, Scheme::PredictorCorrector).unwrap();
-    let limit =
-        largest_stable_courant(&model, Scheme::PredictorCorrector, 0.5, point(1.0, 1.0), &search).unwrap();
+    let search = Search::to(1e-4, &PredictorCorrector).unwrap();
+    let limit = largest_stable_courant(&model, &PredictorCorrector, point(1.0, 1.0), &search).unwrap();
     println!("{limit:?}");
     assert!(limit.agrees(0.5_f64.sqrt(), 1e-4), "{limit:?}");
 }
 
 #[test]
 fn the_park_scheme_has_its_own_limit() {
-    let search = Search::to(1e-4, Scheme::Park).unwrap();
+    let search = Search::to(1e-4, &Park::USUAL).unwrap();
     let model = model("signorini", 10, MassMatrix::LUMPED);
-    let limit = largest_stable_courant(&model, Scheme::Park, 0.5, point(1e4, 1.0), &search).unwrap();
+    let limit = largest_stable_courant(&model, &Park::USUAL, point(1e4, 1.0), &search).unwrap();
     println!("{limit:?}");
     assert!(limit.agrees(0.7072, 1e-4), "{limit:?}");
 }
@@ -119,7 +116,7 @@ fn the_park_scheme_has_its_own_limit() {
 #[test]
 fn impossible_searches_are_refused() {
     for tolerance in [0.0, -1.0, f64::NAN, 0.5, 1e-13] {
-        assert!(Search::to(tolerance, Scheme::CentralDifference).is_err(), "{tolerance}");
+        assert!(Search::to(tolerance, &CentralDifference).is_err(), "{tolerance}");
     }
-    assert!(Search::to(1e-8, Scheme::Park).is_err());
+    assert!(Search::to(1e-8, &Park::USUAL).is_err());
 }

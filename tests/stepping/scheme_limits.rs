@@ -1,10 +1,16 @@
 //! The limits of the predictor-corrector and the Park scheme with closed contact, by stepping.
 
+use bipenalty::error::Refusal;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
+use bipenalty::pencil::{Penalty, Pencil};
 use bipenalty::scene::{Bar, End, Scene};
-use bipenalty::schemes::Scheme;
-use bipenalty::stability::{Model, SchemeLimit};
+use bipenalty::schemes::{
+    Body, CentralDifference, Energy, Facts, Motion, Onset, PredictorCorrector, Scheme, SchemeName, State,
+    System,
+};
+use bipenalty::spectrum::{Engine, StepLimit};
+use bipenalty::stability::Model;
 use bipenalty::verify::{Confirmation, Point, Predictor, Search, confirm, limit_from};
 use rayon::prelude::*;
 
@@ -33,13 +39,14 @@ fn case(numbers: &mut Numbers) -> Case {
 }
 
 /// Whether prediction and stepping agree; `None` where growth above the limit is too slow to be seen.
-fn agrees(case: &Case, scheme: Scheme) -> Option<bool> {
+fn agrees(case: &Case, scheme: SchemeName) -> Option<bool> {
     let Case { model, theta, at } = case;
     let pencil = model.pencil();
-    let predictor = Predictor::new(model, &pencil, scheme, *theta).unwrap();
-    let predicted = predictor.at(*at, TOLERANCE);
+    let scheme = scheme.with_theta(*theta).unwrap();
+    let predictor = Predictor::new(model, &pencil, &*scheme).unwrap();
+    let predicted = predictor.at(*at, TOLERANCE).unwrap();
     let Confirmation { found, agrees: verdict, .. } =
-        confirm(model, scheme, *theta, *at, TOLERANCE, Some(predicted.clone())).unwrap();
+        confirm(model, &*scheme, *at, TOLERANCE, Some(predicted.clone())).unwrap();
     if verdict != Some(true) {
         println!("{scheme:?} theta = {theta} {at:?} {model:?}: {predicted:?}, found {found:?}");
     }
@@ -50,7 +57,7 @@ fn agrees(case: &Case, scheme: Scheme) -> Option<bool> {
 fn stepping_confirms_the_limits_of_two_hundred_random_points() {
     let mut numbers = Numbers(7);
     let cases: Vec<Case> = (0..200).map(|_| case(&mut numbers)).collect();
-    for (scheme, least) in [(Scheme::PredictorCorrector, 120), (Scheme::Park, 190)] {
+    for (scheme, least) in [(SchemeName::PredictorCorrector, 120), (SchemeName::Park, 190)] {
         let verdicts: Vec<_> = cases.par_iter().map(|case| agrees(case, scheme)).collect();
         let unseen = verdicts.iter().filter(|verdict| verdict.is_none()).count();
         println!("{scheme:?}: {} seen, {unseen} grow too slowly", 200 - unseen);
@@ -67,23 +74,22 @@ fn a_quarter_keeps_the_contact_free_step_and_a_little_more_does_not() {
         for _ in 0..4 {
             let model = Model::new(numbers.scene(), MassMatrix::new(gamma).unwrap(), PenaltyMass::Consistent);
             let pencil = model.pencil();
-            let scheme = Scheme::PredictorCorrector;
-            let predictor = Predictor::new(&model, &pencil, scheme, 0.5).unwrap();
+            let scheme = &PredictorCorrector;
+            let predictor = Predictor::new(&model, &pencil, scheme).unwrap();
             // r is measured in the frequency of the elements; here in that of the contact-free bars.
-            let top = SchemeLimit::new(&model, &pencil, scheme, 0.5).unwrap().contact_free().value;
-            let (free, r) = (model.critical_courant(top), top / model.scales()[0].element_eigenvalue);
+            let top = predictor.contact_free();
+            let (free, r) = (model.critical_courant(top), top / model.reference_eigenvalue());
             for (factor, kept) in [(0.25, 1.0), (0.26, (0.25_f64 / 0.26).sqrt())] {
                 let at = Point {
                     stiffness_penalty: StiffnessPenalty::new(1e7).unwrap(),
                     ratio: Ratio::new(factor * r).unwrap(),
                 };
-                let predicted = predictor.at(at, TOLERANCE);
+                let predicted = predictor.at(at, TOLERANCE).unwrap();
                 assert!(
                     (predicted.courant / (kept * free) - 1.0).abs() < 1e-5,
                     "{predicted:?} {kept} {free}"
                 );
-                let found =
-                    confirm(&model, scheme, 0.5, at, TOLERANCE, Some(predicted.clone())).unwrap().found;
+                let found = confirm(&model, scheme, at, TOLERANCE, Some(predicted.clone())).unwrap().found;
                 println!("gamma = {gamma}, r = {}: {predicted:?}, {found:?}", factor * r);
                 if predicted.is_visible(Search::to(TOLERANCE, scheme).unwrap().steps) {
                     assert!(found.agrees(kept * free, TOLERANCE), "{found:?} is not {kept} of {free}");
@@ -98,14 +104,15 @@ fn a_quarter_keeps_the_contact_free_step_and_a_little_more_does_not() {
 fn wrong_predictions_do_not_move_what_stepping_finds() {
     let mut numbers = Numbers(11);
     let cases: Vec<Case> = (0..12).map(|_| case(&mut numbers)).collect();
-    for scheme in Scheme::ALL {
+    for scheme in SchemeName::ALL {
         cases.par_iter().for_each(|Case { model, theta, at }| {
             let pencil = model.pencil();
+            let scheme = &*scheme.with_theta(*theta).unwrap();
             let search = Search::to(1e-3, scheme).unwrap();
-            let right = Predictor::new(model, &pencil, scheme, *theta).unwrap().at(*at, 1e-3).courant;
+            let right = Predictor::new(model, &pencil, scheme).unwrap().at(*at, 1e-3).unwrap().courant;
             let from = |first: f64| {
-                let penalties = model.penalties(at.stiffness_penalty, at.ratio);
-                let found = limit_from(first, model, scheme, *theta, penalties, &search).unwrap();
+                let penalty = model.penalty(at.stiffness_penalty, at.ratio);
+                let found = limit_from(first, model, scheme, penalty, &search).unwrap();
                 (found.stable_at.to_bits(), found.unstable_at.to_bits())
             };
             for factor in [0.3, 0.99, 1.01, 3.0] {
@@ -115,36 +122,65 @@ fn wrong_predictions_do_not_move_what_stepping_finds() {
     }
 }
 
-/// A mass factor of its own for each contact makes coupled contacts circulatory: the bars flutter at every step, and
-/// there is no limit to be found between those that grow fast enough to be seen and those that do not.
+/// Central differences with a circulatory force: two equal bodies, each pushed by what the other's displacement is, with
+/// opposite signs. Every mode flutters, at every step.
+#[derive(Debug)]
+struct Circulatory;
+
+struct Fluttering {
+    body: Body,
+    state: State,
+    kick: Vec<f64>,
+}
+
+impl Scheme for Circulatory {
+    fn facts(&self) -> Facts {
+        Facts { onset: Onset::Linear, ..CentralDifference.facts() }
+    }
+
+    fn start(&self, system: System<'_>, u: Vec<f64>, v: Vec<f64>) -> Result<Box<dyn Motion>, Refusal> {
+        let body = Body::new(&system, system.time_step)?;
+        let state = State::new(&body.contacts, u, v, body.dt);
+        Ok(Box::new(Fluttering { kick: vec![0.0; body.pencil.size()], body, state }))
+    }
+
+    fn limit<'a>(&self, _: &'a Pencil, _: Box<dyn Engine + 'a>) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
+        Err(Refusal::new("limit", "circulatory", "a scheme with a limit"))
+    }
+}
+
+impl Motion for Fluttering {
+    fn step(&mut self) {
+        let Self { body, state, kick } = self;
+        body.operator.apply(&state.displacement, kick);
+        let half = kick.len() / 2;
+        for i in 0..half {
+            kick[i] += 0.01 * body.dt * state.displacement[i + half];
+            kick[i + half] -= 0.01 * body.dt * state.displacement[i];
+        }
+        body.operator.drift(body.dt, kick, &mut state.velocity, &mut state.displacement);
+        state.steps += 1;
+    }
+
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn energy(&mut self) -> Energy {
+        self.body.energy(&self.state, &self.state.velocity)
+    }
+}
+
+/// There is no limit to be found between the steps that grow fast enough to be seen and those that do not.
 #[test]
 fn flutter_has_no_stable_step() {
-    let bar = |e: f64, rho: f64, n: usize| Bar {
-        length: n as f64,
-        elements: n,
-        youngs_modulus: e,
-        density: rho,
-        area: 1.0,
-        velocity: 0.0,
-    };
-    let bars = vec![bar(0.27, 0.064, 1), bar(0.016, 0.055, 1), bar(0.048, 0.035, 3)];
-    let scene = Scene::new("flutter", End::Free, bars.clone(), End::Wall, None).unwrap();
+    let bar = Bar { length: 3.0, elements: 3, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 };
+    let scene = Scene::new("flutter", End::Free, vec![bar.clone(), bar], End::Free, None).unwrap();
     let model = Model::new(scene, MassMatrix::CONSISTENT, PenaltyMass::Consistent);
-    let frequency = |left: usize, right: usize| {
-        let of = |bar: &Bar| MassMatrix::CONSISTENT.element_eigenvalue(bar);
-        of(&bars[left]).max(of(&bars[right]))
-    };
-    let (beta_s, ratio) = (StiffnessPenalty::new(1e4).unwrap(), Ratio::new(1.0).unwrap());
-    let mut penalties = model.penalties(beta_s, ratio);
-    for (penalty, (left, right)) in penalties.iter_mut().zip([(0, 1), (1, 2), (2, 2)]) {
-        penalty.mass = penalty.stiffness / frequency(left, right);
-    }
-    for theta in [0.0, 0.5] {
-        let search = Search::to(1e-3, Scheme::Park).unwrap();
-        for first in [0.05, 0.40659, 1.0] {
-            let found = limit_from(first, &model, Scheme::Park, theta, penalties.clone(), &search).unwrap();
-            println!("theta = {theta}, from {first}: {found:?}");
-            assert_eq!(found.stable_at, 0.0, "theta = {theta}: {found:?}");
-        }
+    let search = Search::to(1e-3, &Circulatory).unwrap();
+    for first in [0.05, 0.40659, 1.0] {
+        let found = limit_from(first, &model, &Circulatory, Penalty::NONE, &search).unwrap();
+        println!("from {first}: {found:?}");
+        assert_eq!(found.stable_at, 0.0, "{found:?}");
     }
 }

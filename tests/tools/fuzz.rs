@@ -165,7 +165,7 @@ fn check_scene(scene: Scene) -> Result<(), TestCaseError> {
         return Ok(());
     }
     let engine = model.engine(EngineName::ClosedForm, None);
-    if let Ok(l) = engine.enclose(&model.penalties(beta_s, ratio), None) {
+    if let Ok(l) = engine.enclose(&model.penalty(beta_s, ratio), None) {
         let step = model.critical_step(l);
         prop_assert!(step.lower <= step.critical_courant && step.critical_courant <= step.upper, "{step:?}");
         prop_assert!(step.lower > 0.0 && step.upper.is_finite(), "{step:?}");

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use bipenalty::fem::MassMatrix;
-use bipenalty::schemes::Scheme;
+use bipenalty::schemes::SchemeName;
 use precision::{
     Clock, EIGENPROBLEMS, ExactEigenvalues, Impactproblem, Measurement, Method, SIZES, Status,
     measure_eigenvalues, measure_impacts,
@@ -92,11 +92,11 @@ fn lapack_routines_are_right() {
 fn errors_of_impacts_are_those_of_an_independent_script() {
     let expected = [
         (
-            Scheme::PredictorCorrector,
+            SchemeName::PredictorCorrector,
             [0.045_472_588_037_754_45, 0.093_676_741_665_746_74, 0.007_475_489_926_560_834],
         ),
         (
-            Scheme::CentralDifference,
+            SchemeName::CentralDifference,
             [0.669_694_721_649_799_6, 0.159_265_816_255_263_5, 0.009_582_683_664_785_667],
         ),
     ];
@@ -117,7 +117,7 @@ fn errors_of_impacts_are_those_of_an_independent_script() {
 #[test]
 fn what_blows_up_stays_in_the_table() {
     let impact = |courant| {
-        let scheme = Scheme::PredictorCorrector;
+        let scheme = SchemeName::PredictorCorrector;
         Impactproblem::new("signorini", MassMatrix::LUMPED, scheme, 50, courant).unwrap()
     };
     let rows = measure_impacts(&[impact(0.5), impact(1.5)], &CLOCK, &|| ()).unwrap();

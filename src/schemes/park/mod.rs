@@ -17,6 +17,9 @@ pub struct Park {
 }
 
 impl Park {
+    /// theta = 1/2, as in the paper.
+    pub const USUAL: Self = Self { theta: 0.5 };
+
     /// The scheme with theta, the weight of the pullback.
     ///
     /// # Errors
@@ -32,13 +35,6 @@ impl Park {
     /// theta, dimensionless.
     pub fn theta(self) -> f64 {
         self.theta
-    }
-}
-
-impl Default for Park {
-    /// theta = 1/2, as in the paper.
-    fn default() -> Self {
-        Self { theta: 0.5 }
     }
 }
 

@@ -3,6 +3,7 @@
 // A helper that cannot go on fails its test.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[path = "../common/mod.rs"]
 mod common;
 
 use std::collections::HashMap;
@@ -10,7 +11,7 @@ use std::process::Command;
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::scene::{End, Scene};
-use common::scenes::{bar, model, penalties};
+use common::scenes::{bar, model, penalty};
 
 /// The rows of `contact-impact signorini` with these options, by column.
 fn impacts(options: &str) -> Vec<HashMap<String, String>> {
@@ -62,7 +63,7 @@ fn force_errors_of_the_mass_matrices_are_those_quoted() {
         "--mass lumped,averaged,consistent --scheme predictor-corrector,park --ratio 1 --beta-s 1e12",
     );
     let found: Vec<String> = rows.iter().map(|row| format!("{:.3}", number(row, "force_error"))).collect();
-    let page = include_str!("../analyses/PAPER.md");
+    let page = include_str!("../../analyses/PAPER.md");
     let quoted = format!(
         "predictor-corrector {}, {}, {}; Park {}, {}, {}",
         found[0], found[2], found[4], found[1], found[3], found[5]
@@ -82,7 +83,7 @@ fn sensitivities_are_those_quoted() {
     let slope = |i: usize| (courant[i + 1] / courant[i]).ln() / 1.01f64.ln();
     assert!(slope(0).abs() < 1e-13 && slope(2).abs() < 1e-13, "r = 1: {}, {}", slope(0), slope(2));
     let quoted = format!("−{:.2} at β_s = 10 and −{:.2} at 1e6", -slope(4), -slope(6));
-    assert!(include_str!("../analyses/PAPER.md").contains(&quoted), "PAPER.md does not say: {quoted}");
+    assert!(include_str!("../../analyses/PAPER.md").contains(&quoted), "PAPER.md does not say: {quoted}");
 }
 
 /// M_p adds mass against a wall, m = beta_m rho h A/2, and none between two bars; at r = 1 its terms leave the top mode
@@ -97,7 +98,7 @@ fn the_mass_penalty_has_mass_at_a_wall_and_keeps_the_top_mode() {
             [(&wall, vec![0., 0., 0., 0., 0., 0., 1.]), (&pair, vec![0., 0., 0., 1., -1., 0., 0.])]
         {
             let model = model(scene, MassMatrix::new(gamma).unwrap());
-            let (pencil, penalty) = (model.pencil(), penalties(&model, 10.0, 1.0)[0]);
+            let (pencil, penalty) = (model.pencil(), penalty(&model, 10.0, 1.0).terms(model.scales()[0]));
             // rho h A = EA/h = 1 here; beta_m = (1 + 2 gamma)/6 beta_s/r.
             let expected = 0.5 * (1.0 + 2.0 * gamma) / 6.0 * 10.0;
             assert!((penalty.mass / expected - 1.0).abs() < 4.0 * f64::EPSILON);
