@@ -17,7 +17,8 @@ use bipenalty::error::Error;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::scene::{BUILT_IN, Scene, load};
-use bipenalty::stability::{Axis, EngineName, Model};
+use bipenalty::spectrum::Engine as _;
+use bipenalty::stability::{Axis, Model};
 use common::config;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
@@ -164,7 +165,7 @@ fn check_scene(scene: Scene) -> Result<(), TestCaseError> {
     if model.check(beta_s, ratio).is_err() {
         return Ok(());
     }
-    let engine = model.engine(EngineName::ClosedForm, None);
+    let engine = model.closed_form();
     if let Ok(l) = engine.enclose(&model.penalty(beta_s, ratio), None) {
         let step = model.critical_step(l);
         prop_assert!(step.lower <= step.critical_courant && step.critical_courant <= step.upper, "{step:?}");
