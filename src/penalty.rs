@@ -4,8 +4,10 @@
 //! s = beta_s EA/h      m = beta_m rho h A/2      r = (1+2g)/6 beta_s/beta_m      =>      m = s/(r omega_e^2)
 //! ```
 //! r = 1 is the optimum M_p = K_p/omega_e^2 (32), r = inf the pure penalty method, beta_s = 0 contact-free. Between
-//! unequal elements s takes the smaller EA/h and omega_e the larger element frequency, so that r = 1 keeps its
-//! meaning.
+//! unequal elements s takes the smaller EA/h. omega_e is one number for the scene, the largest element frequency at its
+//! contacts ([`reference_bar`]): M_p = K_p/(r omega_e^2), as (29) to (32) have it. A factor for each contact would make
+//! the contact operator of the predictor-corrector and the Park scheme unsymmetric wherever a bar couples two contacts,
+//! and the closed contacts flutter at every step.
 //!
 //! ```
 //! use bipenalty::penalty::{Ratio, StiffnessPenalty};
@@ -82,29 +84,32 @@ impl Ratio {
 pub struct ContactScale {
     /// The smaller EA/h of the touching elements, N/m: s = beta_s times this.
     pub stiffness: f64,
-    /// The larger omega_e^2 of the touching elements, rad^2/s^2: m = s/(r times this).
-    pub element_eigenvalue: f64,
     pair: bool,
 }
 
 impl ContactScale {
     /// The scales of the contacts of `scene` from left to right.
-    pub fn of(scene: &Scene, mass: MassMatrix) -> Vec<Self> {
-        scene.contact_sites().into_iter().map(|site| Self::at(scene, mass, site)).collect()
+    pub fn of(scene: &Scene) -> Vec<Self> {
+        scene.contact_sites().into_iter().map(|site| Self::at(scene, site)).collect()
     }
 
-    fn at(scene: &Scene, mass: MassMatrix, site: ContactSite) -> Self {
+    fn at(scene: &Scene, site: ContactSite) -> Self {
         let touching = touching_bars(scene, site);
         let stiffness = touching.iter().map(Bar::element_stiffness).fold(f64::INFINITY, f64::min);
-        let element_eigenvalue = touching.iter().map(|bar| mass.element_eigenvalue(bar)).fold(0.0, f64::max);
-        Self { stiffness, element_eigenvalue, pair: touching.len() == 2 }
+        Self { stiffness, pair: touching.len() == 2 }
     }
 
-    /// The contact terms for (beta_s, r).
+    /// The contact terms for (beta_s, r) in a scene of the reference omega_e^2 = `reference`, rad^2/s^2.
     #[inline]
-    pub fn penalty(&self, beta_s: StiffnessPenalty, ratio: Ratio, form: PenaltyMass) -> Penalty {
+    pub fn penalty(
+        &self,
+        beta_s: StiffnessPenalty,
+        ratio: Ratio,
+        reference: f64,
+        form: PenaltyMass,
+    ) -> Penalty {
         let stiffness = beta_s.get() * self.stiffness;
-        let mass = stiffness / (ratio.get() * self.element_eigenvalue);
+        let mass = stiffness / (ratio.get() * reference);
         match (form, self.pair) {
             (PenaltyMass::Diagonalised, true) => Penalty { stiffness, mass: 0.0, nodal_mass: 2.0 * mass },
             _ => Penalty { stiffness, mass, nodal_mass: 0.0 },
@@ -116,18 +121,18 @@ impl ContactScale {
     ///
     /// # Errors
     /// Names the quantity that overflows or underflows, with the beta_s and r that cause it.
-    pub fn check(&self, beta_s: StiffnessPenalty, ratio: Ratio) -> Result<(), Refusal> {
+    pub fn check(&self, beta_s: StiffnessPenalty, ratio: Ratio, reference: f64) -> Result<(), Refusal> {
         let (b, r) = (beta_s.get(), ratio.get());
         if b == 0.0 {
             return Ok(());
         }
-        let p = self.penalty(beta_s, ratio, PenaltyMass::Consistent);
+        let p = self.penalty(beta_s, ratio, reference, PenaltyMass::Consistent);
         let mut needed = vec![("penalty stiffness s (N/m)", p.stiffness)];
         if r.is_finite() {
             needed.push(("penalty mass m (kg)", p.mass));
             needed.push(("s/r (N/m)", p.stiffness / r));
         } else {
-            needed.push(("beta_s omega_e^2 (rad^2/s^2)", b * self.element_eigenvalue));
+            needed.push(("beta_s omega_e^2 (rad^2/s^2)", b * reference));
         }
         let held = f64::MIN_POSITIVE..=f64::MAX / 256.0;
         match needed.into_iter().find(|(_, value)| !held.contains(value)) {
@@ -151,7 +156,7 @@ pub fn touching_bars(scene: &Scene, site: ContactSite) -> &[Bar] {
     }
 }
 
-/// The reference element of the Courant number C_r = c0 dt/h: of all elements that touch a contact, the one of the
+/// The reference element of the Courant number C_r = c0 dt/h and of the mass penalty: of all elements that touch a contact, the one of the
 /// highest frequency, the leftmost on a tie. Without a contact, of all elements.
 pub fn reference_bar(scene: &Scene, mass: MassMatrix) -> &Bar {
     let sites = scene.contact_sites();

@@ -7,6 +7,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
+#[path = "scheme_limits/coupled.rs"]
+mod coupled;
 #[path = "scheme_limits/islands.rs"]
 mod islands;
 
@@ -272,7 +274,7 @@ fn a_quarter_is_the_largest_ratio_free_of_cost_to_the_predictor_corrector() {
             let pencil = model.pencil();
             let limit = SchemeLimit::new(&model, &pencil, Scheme::PredictorCorrector, 0.5).unwrap();
             // r* is measured in the frequency of the elements that touch; r = 1/4 keeps their limit.
-            limit.contact_free().value / model.scales()[0].element_eigenvalue
+            limit.contact_free().value / model.reference_eigenvalue()
         };
         let beta_s = 10f64.powf(numbers.between(5.0, 9.0));
         let kept = relative(&model, Scheme::PredictorCorrector, 0.5, beta_s, 0.25 * top);

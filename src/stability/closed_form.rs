@@ -13,6 +13,9 @@ use crate::spectrum::{
     Chain, Enclosure, Engine, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
 };
 
+/// Roundings of T(l) and of the stored mass, in units of the roundoff, of [`ClosedForm::backward_error`]: 24 + 12.
+pub(super) const ROUNDINGS: f64 = 24.0 + 12.0;
+
 /// What the contacts of a scene make of its equations.
 #[derive(Debug)]
 enum Kind {
@@ -86,7 +89,7 @@ impl ClosedForm {
     /// the pencil differ from EA/h and rho h A by 4 more, of which those of the mass count thrice.
     fn backward_error(&self, penalties: &[Penalty], l: f64) -> f64 {
         let stiffness = self.shortened.stiffness_bound(penalties) + self.contact_bound(penalties);
-        UNIT_ROUNDOFF * (24.0 + 12.0 + 28.0 * stiffness / l)
+        UNIT_ROUNDOFF * (ROUNDINGS + 28.0 * stiffness / l)
     }
 
     /// The sign function of the spectrum: negative where an eigenvalue lies at or above l.

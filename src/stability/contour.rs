@@ -24,7 +24,7 @@ pub fn contour(
     let l = 4.0 * model.reference_rate() / (critical_courant * critical_courant);
     let mut points = match (engine.gap_stiffness(l), model.form(), model.scales()) {
         (Some(t), PenaltyMass::Consistent, [scale]) => {
-            explicit(t / scale.stiffness, l / scale.element_eigenvalue, beta_s, ratio)
+            explicit(t / scale.stiffness, l / model.reference_eigenvalue(), beta_s, ratio)
         }
         _ => by_bisection(model, &engine, l, beta_s, ratio)?,
     };
@@ -44,7 +44,7 @@ pub fn scheme_contour(
 ) -> Vec<(f64, f64)> {
     let l = 4.0 * model.reference_rate() / (critical_courant * critical_courant);
     let (Some(w), [scale]) = (limit.effective_flexibility(l), model.scales()) else { return Vec::new() };
-    let (b, r) = (1.0 / (w * scale.stiffness), limit.compliance() / (w * scale.element_eigenvalue));
+    let (b, r) = (1.0 / (w * scale.stiffness), limit.compliance() / (w * model.reference_eigenvalue()));
     // b/beta_s + r/ratio = 1.
     let over_beta = samples(beta_s).map(|beta_s| (beta_s, r / (1.0 - b / beta_s)));
     let over_ratio = samples(ratio).map(|ratio| (b / (1.0 - r / ratio), ratio));

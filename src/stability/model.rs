@@ -97,6 +97,7 @@ pub struct Model {
     form: PenaltyMass,
     scales: Vec<ContactScale>,
     reference_rate: f64,
+    reference_eigenvalue: f64,
 }
 
 impl Model {
@@ -104,8 +105,9 @@ impl Model {
     pub fn new(scene: Scene, mass: MassMatrix, form: PenaltyMass) -> Self {
         let reference = reference_bar(&scene, mass);
         let reference_rate = reference.element_stiffness() / reference.element_mass();
-        let scales = ContactScale::of(&scene, mass);
-        Self { mass, form, scales, reference_rate, scene }
+        let reference_eigenvalue = mass.element_eigenvalue(reference);
+        let scales = ContactScale::of(&scene);
+        Self { mass, form, scales, reference_rate, reference_eigenvalue, scene }
     }
 
     /// The scene.
@@ -135,7 +137,10 @@ impl Model {
 
     /// The contact terms of all contacts for (beta_s, r); every contact is closed.
     pub fn penalties(&self, beta_s: StiffnessPenalty, ratio: Ratio) -> Vec<Penalty> {
-        self.scales.iter().map(|scale| scale.penalty(beta_s, ratio, self.form)).collect()
+        self.scales
+            .iter()
+            .map(|scale| scale.penalty(beta_s, ratio, self.reference_eigenvalue, self.form))
+            .collect()
     }
 
     /// As [`Model::penalties`] into a buffer: a map needs them at every point.
@@ -145,7 +150,7 @@ impl Model {
             penalties.resize(self.scales.len(), Penalty::default());
         }
         for (penalty, scale) in penalties.iter_mut().zip(&self.scales) {
-            *penalty = scale.penalty(beta_s, ratio, self.form);
+            *penalty = scale.penalty(beta_s, ratio, self.reference_eigenvalue, self.form);
         }
     }
 
@@ -154,7 +159,7 @@ impl Model {
     /// # Errors
     /// See [`ContactScale::check`].
     pub fn check(&self, beta_s: StiffnessPenalty, ratio: Ratio) -> Result<(), Refusal> {
-        self.scales.iter().try_for_each(|scale| scale.check(beta_s, ratio))
+        self.scales.iter().try_for_each(|scale| scale.check(beta_s, ratio, self.reference_eigenvalue))
     }
 
     /// Refuses a grid whose penalties f64 cannot hold; s and m are monotone, so its corners tell.
@@ -197,6 +202,11 @@ impl Model {
             #[cfg(feature = "lapack")]
             EngineName::Lapack => Box::new(crate::spectrum::lapack::Lapack::new(pencil)),
         }
+    }
+
+    /// omega_e^2 of the reference element, rad^2/s^2: M_p = K_p/(r omega_e^2) for every contact.
+    pub fn reference_eigenvalue(&self) -> f64 {
+        self.reference_eigenvalue
     }
 
     /// (c0/h)^2 of the reference element, 1/s^2: C_r = 2 sqrt(rate/l).

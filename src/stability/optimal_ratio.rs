@@ -39,8 +39,7 @@ impl Expectation {
     /// Passes on an eigenvalue that could not be certified.
     pub fn of(model: &Model, engine: &dyn Engine) -> Result<Self, Uncertified> {
         let contact_free = engine.enclose(&vec![Default::default(); model.scales().len()], None)?;
-        let element_eigenvalue = model.scales().iter().map(|s| s.element_eigenvalue).fold(0.0, f64::max);
-        Ok(Self { contact_free, element_eigenvalue })
+        Ok(Self { contact_free, element_eigenvalue: model.reference_eigenvalue() })
     }
 
     /// r* = l_max(K, M)/omega_e^2.

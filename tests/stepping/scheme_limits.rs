@@ -73,7 +73,7 @@ fn a_quarter_keeps_the_contact_free_step_and_a_little_more_does_not() {
             let predictor = Predictor::new(&model, &pencil, scheme, 0.5).unwrap();
             // r is measured in the frequency of the elements; here in that of the contact-free bars.
             let top = SchemeLimit::new(&model, &pencil, scheme, 0.5).unwrap().contact_free().value;
-            let (free, r) = (model.critical_courant(top), top / model.scales()[0].element_eigenvalue);
+            let (free, r) = (model.critical_courant(top), top / model.reference_eigenvalue());
             for (factor, kept) in [(0.25, 1.0), (0.26, (0.25_f64 / 0.26).sqrt())] {
                 let at = Point {
                     stiffness_penalty: StiffnessPenalty::new(1e7).unwrap(),

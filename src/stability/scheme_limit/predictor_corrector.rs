@@ -4,6 +4,7 @@ use super::{COMPLIANCE_ERROR, SchemeLimit};
 use crate::pencil::Penalty;
 use crate::schemes::Scheme;
 use crate::spectrum::{Enclosure, Engine, UNIT_ROUNDOFF, Uncertified, WIDEST_ENCLOSURE, certify};
+use crate::stability::closed_form::ROUNDINGS;
 
 impl SchemeLimit<'_> {
     pub(super) fn enclose_predictor_corrector(
@@ -116,9 +117,9 @@ impl Definite<'_> {
         proven(high) && proven(low)
     }
 
-    /// Relative error of l that stands for the rounding of T(l) in the closed form.
+    /// Relative error of l that stands for the rounding of T(l) in the closed form, as its own backward error has it.
     fn error(&self, l: f64) -> f64 {
-        28.0 * UNIT_ROUNDOFF * (1.0 + self.limit.pencil.element_bound() / l)
+        UNIT_ROUNDOFF * (ROUNDINGS + 28.0 * self.limit.pencil.element_bound() / l)
     }
 
     /// Relative error of t(l): that of mu and a few roundings, enlarged by the difference l - q.
