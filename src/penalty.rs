@@ -5,7 +5,9 @@
 //! ```
 //! r = 1 is the optimum M_p = K_p/omega_e^2 (32), r = inf the pure penalty method, beta_s = 0 contact-free. Between
 //! unequal elements s takes the smaller EA/h. omega_e is one number for the scene, the largest element frequency at its
-//! contacts, so that M_p is a multiple of K_p.
+//! contacts: M_p = K_p/(r omega_e^2), as (29) to (32) have it. A factor for each contact would make the contact operator of
+//! the predictor-corrector and the Park scheme unsymmetric wherever a bar couples two contacts, and the closed contacts
+//! flutter at every step.
 //!
 //! ```
 //! use bipenalty::penalty::{Ratio, StiffnessPenalty};

@@ -7,6 +7,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
+#[path = "scheme_limits/coupled.rs"]
+mod coupled;
 #[path = "scheme_limits/islands.rs"]
 mod islands;
 

@@ -72,6 +72,16 @@ enum Tilt {
     Optimistic,
 }
 
+impl Tilt {
+    fn sign(self) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Pessimistic => 1.0,
+            Self::Optimistic => -1.0,
+        }
+    }
+}
+
 impl SchemeLimit<'_> {
     pub(super) fn enclose_park(&self, terms: &[Terms]) -> Result<Enclosure, Uncertified> {
         let alpha = self.park_alpha(terms);
@@ -154,18 +164,12 @@ impl SchemeLimit<'_> {
 
     /// p F(above) and v F(below), m/N; `None` if the upper pole is not above the spectrum.
     fn sides(&self, fractions: Fractions, tilt: Tilt) -> Option<(Tridiagonal, Tridiagonal)> {
-        let (free, bound) = (self.contact_free, self.pencil.pencil().bounds().stiffness);
-        let sign = match tilt {
-            Tilt::None => 0.0,
-            Tilt::Pessimistic => 1.0,
-            Tilt::Optimistic => -1.0,
-        };
-        // The elimination moves l by 8 unit roundoffs of l + B, the pole takes 8 more. The eliminations from both ends
-        // of a bar between two contacts differ by as much again.
-        let several = if self.compliance.diagonal.len() > 1 { 2.0 } else { 1.0 };
-        let error = |l: f64| 8.0 * UNIT_ROUNDOFF * (2.0 + bound / l) * several;
+        let (free, sign) = (self.contact_free, tilt.sign());
+        let error = |l: f64| self.pole_error(l);
         if let (true, Some(moments)) = (fractions.is_far(), &self.moments) {
-            let mut gained = moments.series(fractions.coefficients, sign);
+            // Twice the error on the diagonal stands for that beside it.
+            let several = if self.compliance.diagonal.len() > 1 { 2.0 } else { 1.0 };
+            let mut gained = moments.series(fractions.coefficients, several * sign);
             let squared_step = 4.0 / free.value;
             gained.diagonal.iter_mut().chain(&mut gained.off_diagonal).for_each(|w| *w *= squared_step);
             let lost = Tridiagonal {
@@ -192,33 +196,64 @@ impl SchemeLimit<'_> {
         Some((gained, lost))
     }
 
-    /// The last pivot of C^-1 - W over its own size, in [-1, 1]: positive while the multiplier -1 - `growth` lies beyond
-    /// the spectrum; -1 if an earlier pivot is not positive. C^-1 = S^-1 + diag(m/s) G.
+    /// The last pivot of C^-1 - W over the sum of what it is made of, in [-1, 1]: positive while the multiplier
+    /// -1 - `growth` lies beyond the spectrum; -1 if an earlier pivot is not positive. C^-1 = S^-1 + a G.
+    ///
+    /// C^-1 - W is a sum of positive semidefinite parts T = S^-1, a G, p F and -v F, each tridiagonal and put together bar
+    /// by bar. If an entry of a part is off by e (T_ii T_jj)^(1/2), the part is off by no more than
+    /// e (sum T_ii^(1/2) |y_i|)^2 <= 2 e sum T_ii y_i^2 at most, for the one or two contacts of a bar. So the errors of
+    /// the entries beside the diagonal are borne by the diagonal, and its last pivot proves a sign.
     fn margin(&self, terms: &[Terms], alpha: f64, growth: f64, tilt: Tilt) -> f64 {
-        let Some((gained, lost)) = self.sides(Fractions::new(self.theta, alpha, growth), tilt) else {
-            return -1.0;
-        };
-        // The fractions take fewer than 16 roundings, C^-1 those of mu and 4 more.
-        let slack = match tilt {
-            Tilt::None => 0.0,
-            Tilt::Pessimistic => 1.0,
-            Tilt::Optimistic => -1.0,
-        } * (COMPLIANCE_ERROR + 20.0 * UNIT_ROUNDOFF);
+        let fractions = Fractions::new(self.theta, alpha, growth);
+        let Some((gained, lost)) = self.sides(fractions, tilt) else { return -1.0 };
+        let sign = tilt.sign();
+        let (entries, upper, lower) = self.relative_errors(fractions);
+        let factor = terms.iter().map(|p| p.mass / p.stiffness).fold(0.0, f64::max);
         let (own, beside) = (&self.compliance.diagonal, &self.compliance.off_diagonal);
         let (mut carried, mut margin) = (0.0, -1.0);
         for (j, p) in terms.iter().enumerate() {
-            let inverse = (1.0 / p.stiffness + (p.mass / p.stiffness) * own[j]) * (1.0 - slack);
-            let w = gained.diagonal[j] * (1.0 + slack) - lost.diagonal[j] * (1.0 - slack);
-            let pivot = inverse - w - carried;
-            margin = pivot / (inverse + w + carried);
-            let Some(next) = terms.get(j + 1) else { break };
+            let inverse = 1.0 / p.stiffness + factor * own[j];
+            let error = entries * inverse + upper * gained.diagonal[j] + lower * lost.diagonal[j];
+            let pivot = inverse - gained.diagonal[j] + lost.diagonal[j] - sign * error - carried;
+            margin = pivot / (inverse + gained.diagonal[j] + lost.diagonal[j] + carried);
+            if j + 1 == terms.len() {
+                break;
+            }
             if pivot.is_nan() || pivot <= 0.0 {
                 return -1.0;
             }
-            let w = gained.off_diagonal[j] - lost.off_diagonal[j];
-            let off = |p: &Terms| (p.mass / p.stiffness) * beside[j] - w;
-            carried = off(p) * (off(next) / pivot);
+            let off = factor * beside[j] - gained.off_diagonal[j] + lost.off_diagonal[j];
+            carried = off * (off / pivot);
         }
         margin
+    }
+
+    /// Errors of the diagonal that stand for those of S^-1 + a G, of p F(above) and of v F(below), relative.
+    ///
+    /// The fractions take fewer than 16 roundings, mu as many as it has and 4 more, the pivots of the margin fewer than 8.
+    /// The entries of a bar between two contacts come of two eliminations, each exact for a matrix that differs by e, in
+    /// units of l M ([`Self::pole_error`]): beside the shift of the pole, F(above) may be off by e l/(l - l_n) twice over,
+    /// and F(below), where K + l M >= l M, by e twice over.
+    fn relative_errors(&self, fractions: Fractions) -> (f64, f64, f64) {
+        let coupled = self.compliance.diagonal.len() > 1;
+        let entries = COMPLIANCE_ERROR + 20.0 * UNIT_ROUNDOFF;
+        if !coupled {
+            return (entries, entries, entries);
+        }
+        let entries = 2.0 * entries + 8.0 * UNIT_ROUNDOFF;
+        if fractions.is_far() {
+            return (entries, entries, entries);
+        }
+        let free = self.contact_free;
+        let (above, below) = (free.value * fractions.above, free.value * fractions.below);
+        let distance = (above - free.upper) / above;
+        let mixed = 2.0 * self.pole_error(above) / distance;
+        (entries, entries + mixed, entries + 2.0 * self.pole_error(below))
+    }
+
+    /// Relative error of a pole l: the elimination moves it by 8 unit roundoffs of 3 l + B, as |M| <= 3 M, the pole takes 8
+    /// more.
+    fn pole_error(&self, l: f64) -> f64 {
+        8.0 * UNIT_ROUNDOFF * (4.0 + self.pencil.pencil().bounds().stiffness / l)
     }
 }

@@ -4,6 +4,7 @@ use super::{COMPLIANCE_ERROR, SchemeLimit};
 use crate::pencil::Terms;
 use crate::schemes::SchemeName as Scheme;
 use crate::spectrum::{Enclosure, UNIT_ROUNDOFF, Uncertified, WIDEST_ENCLOSURE, certify};
+use crate::stability::closed_form::ROUNDOFFS;
 
 impl SchemeLimit<'_> {
     pub(super) fn enclose_predictor_corrector(&self, terms: &[Terms]) -> Result<Enclosure, Uncertified> {
@@ -112,9 +113,9 @@ impl Definite<'_> {
         proven(high) && proven(low)
     }
 
-    /// Relative error of l that stands for the rounding of T(l) in the closed form.
+    /// Relative error of l that stands for the rounding of T(l) in the closed form, as its own backward error has it.
     fn error(&self, l: f64) -> f64 {
-        28.0 * UNIT_ROUNDOFF * (1.0 + self.limit.pencil.pencil().bounds().stiffness / l)
+        UNIT_ROUNDOFF * ROUNDOFFS * (1.0 + self.limit.pencil.pencil().bounds().stiffness / l)
     }
 
     /// Relative error of t(l): that of mu and a few roundings, enlarged by the difference l - q.
