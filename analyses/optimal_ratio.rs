@@ -17,8 +17,7 @@ use analyses::error::{Refusal, Result};
 use analyses::record::OptimalRatioRow;
 use bipenalty::penalty::StiffnessPenalty;
 use bipenalty::stability::{
-    Axis, Expectation, Grid, Model, SchemeLimit, check_has_contact, governing_bar, optimal_ratio,
-    optimal_scheme_ratio,
+    Axis, Expectation, Grid, Model, check_has_contact, governing_bar, optimal_ratio, optimal_scheme_ratio,
 };
 use clap::{Parser, ValueHint};
 use rayon::prelude::*;
@@ -142,11 +141,11 @@ fn search(model: &Model, grid: &Grid, options: &LimitOptions, progress: &Progres
     let name = options.limit.name();
     let betas = grid.stiffness_penalties.par_iter();
     if let (Some(scheme), Some(pencil)) = (options.limit.scheme(), &pencil) {
-        let limit = SchemeLimit::new(pencil, Box::new(model.closed_form()), scheme, options.theta())?;
+        let limit = model.limit(&*scheme.with_theta(options.theta())?, pencil)?;
         let row = |beta_s: &StiffnessPenalty| {
-            let found = optimal_scheme_ratio(model, &limit, *beta_s)?;
+            let found = optimal_scheme_ratio(model, &*limit, *beta_s)?;
             progress.add(1);
-            let expected = limit.expected_ratio(*beta_s);
+            let expected = limit.expected_ratio(beta_s.get());
             Ok(OptimalRatioRow::new(model, name, beta_s.get(), found, expected))
         };
         let rows = betas.map(row).collect::<Result<_, _>>().map_err(uncertified)?;

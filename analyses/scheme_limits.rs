@@ -16,7 +16,7 @@ use analyses::error::{Refusal, Result};
 use analyses::record::{OptimalRatioRow, StabilityRow};
 use bipenalty::penalty::StiffnessPenalty;
 use bipenalty::stability::{
-    Axis, EngineName, Model, SchemeLimit, check_has_contact, optimal_scheme_ratio, scheme_contour,
+    Axis, EngineName, Model, check_has_contact, optimal_scheme_ratio, scheme_contour,
 };
 use clap::Parser;
 use rayon::prelude::*;
@@ -152,8 +152,8 @@ fn draw(job: &Job, model: &Model, rows: &[Vec<StabilityRow>], theta: f64, output
         let pencil = model.pencil();
         let mut lines = Vec::new();
         for (scheme, rows) in LIMITS.into_iter().filter_map(Limit::scheme).zip(rows) {
-            let limit = SchemeLimit::new(&pencil, Box::new(model.closed_form()), scheme, theta)?;
-            let line = |level: f64| (level, scheme_contour(model, &limit, level, beta_s, ratio));
+            let limit = model.limit(&*scheme.with_theta(theta)?, &pencil)?;
+            let line = |level: f64| (level, scheme_contour(model, &*limit, level, beta_s, ratio));
             lines.push(charts::levels(rows).into_iter().map(line).collect());
         }
         charts::titled_by_limit(charts::map(rows, &lines), rows)
@@ -207,12 +207,12 @@ fn optimal_ratios(
 fn ratios_of(model: &Model, limit: Limit, theta: f64) -> Result<Vec<OptimalRatioRow>> {
     let Some(scheme) = limit.scheme() else { return Ok(Vec::new()) };
     let pencil = model.pencil();
-    let found = SchemeLimit::new(&pencil, Box::new(model.closed_form()), scheme, theta)?;
+    let found = model.limit(&*scheme.with_theta(theta)?, &pencil)?;
     let row = |beta_s: &f64| {
         let beta_s = StiffnessPenalty::new(*beta_s)?;
         let refused = |e| Refusal::new(model.scene().name(), e, "scenes whose limit can be certified");
-        let ratio = optimal_scheme_ratio(model, &found, beta_s).map_err(refused)?;
-        let expected = found.expected_ratio(beta_s);
+        let ratio = optimal_scheme_ratio(model, &*found, beta_s).map_err(refused)?;
+        let expected = found.expected_ratio(beta_s.get());
         Ok(OptimalRatioRow::new(model, limit.name(), beta_s.get(), ratio, expected))
     };
     Axis::log(1e-1, 1e6, 141)?.values.par_iter().map(row).collect()

@@ -15,7 +15,7 @@ use analyses::cli::{
 use analyses::error::{Refusal, Result};
 use analyses::record::StabilityRow;
 use bipenalty::scene::built_in;
-use bipenalty::stability::{Axis, SchemeLimit, contour, scheme_contour};
+use bipenalty::stability::{Axis, contour, scheme_contour};
 use clap::{Parser, ValueHint};
 
 /// Critical time steps of bars in contact: C_r over the stiffness penalty and the ratio, certified.
@@ -183,9 +183,8 @@ fn draw(job: &Job, rows: &[Vec<StabilityRow>], limit: &LimitOptions, output: &Ou
                     }
                     Some(scheme) => {
                         let pencil = model.pencil();
-                        let limit =
-                            SchemeLimit::new(&pencil, Box::new(model.closed_form()), scheme, limit.theta())?;
-                        let line = |level: f64| (level, scheme_contour(model, &limit, level, beta_s, ratio));
+                        let limit = model.limit(&*scheme.with_theta(limit.theta())?, &pencil)?;
+                        let line = |level: f64| (level, scheme_contour(model, &*limit, level, beta_s, ratio));
                         levels.into_iter().map(line).collect()
                     }
                 });

@@ -16,9 +16,9 @@ use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::{Matrix, Penalty, Pencil};
 use bipenalty::scene::{Bar, End, Scene};
-use bipenalty::schemes::SchemeName;
-use bipenalty::spectrum::{Engine as _, StepLimit as _};
-use bipenalty::stability::{Model, SchemeLimit};
+use bipenalty::schemes::{ClosedLimit, SchemeName};
+use bipenalty::spectrum::{Enclosure, Engine as _, StepLimit};
+use bipenalty::stability::Model;
 use common::numbers::Numbers;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -114,18 +114,39 @@ fn penalties(model: &Model, beta_s: f64, ratio: f64) -> Penalty {
     model.penalty(StiffnessPenalty::new(beta_s).unwrap(), Ratio::new(ratio).unwrap())
 }
 
+fn limit_of<'a>(
+    model: &Model,
+    pencil: &'a Pencil,
+    scheme: SchemeName,
+    theta: f64,
+) -> Box<dyn StepLimit + 'a> {
+    model.limit(&*scheme.with_theta(theta).unwrap(), pencil).unwrap()
+}
+
+/// The contact-free l_max.
+fn free_of(limit: &dyn StepLimit) -> Enclosure {
+    limit.enclose(&Penalty::NONE, None).unwrap().l
+}
+
+/// |z| - 1 of the largest multiplier at a step over the contact-free one.
+fn growth_of(limit: &dyn StepLimit, penalty: &Penalty, relative: f64) -> Option<f64> {
+    let step = limit.enclose(penalty, None).unwrap();
+    let excess = relative / (free_of(limit).value / step.l.value).sqrt();
+    limit.growth(penalty, &step, excess).map(f64::exp_m1)
+}
+
 /// dt of the limit over the contact-free one.
-fn relative_limit(limit: &SchemeLimit<'_>, penalties: &Penalty) -> f64 {
+fn relative_limit(limit: &dyn StepLimit, penalties: &Penalty) -> f64 {
     let l = limit.enclose(penalties, None).map(|step| step.l).unwrap_or_else(|e| {
-        panic!("{:?}, {penalties:?}, contact-free {:?}: {e}", limit.scheme(), limit.contact_free())
+        panic!("{}, {penalties:?}, contact-free {:?}: {e}", limit.name(), free_of(limit))
     });
     assert!(l.lower <= l.value && l.value <= l.upper && l.relative_width() < 2e-13);
-    (limit.contact_free().value / l.value).sqrt()
+    (free_of(limit).value / l.value).sqrt()
 }
 
 /// The islands as steps over the contact-free one.
-fn islands_of(limit: &SchemeLimit<'_>, penalty: &Penalty) -> Vec<(f64, f64)> {
-    let relative = |l: f64| (limit.contact_free().value / l).sqrt();
+fn islands_of(limit: &dyn StepLimit, penalty: &Penalty) -> Vec<(f64, f64)> {
+    let relative = |l: f64| (free_of(limit).value / l).sqrt();
     limit.islands(penalty).into_iter().map(|(high, low)| (relative(high), relative(low))).collect()
 }
 
@@ -135,17 +156,17 @@ fn with_limit<R>(
     scheme: SchemeName,
     theta: f64,
     penalties: &Penalty,
-    check: impl FnOnce(f64, &dyn Fn(f64) -> Mat<f64>, &SchemeLimit<'_>) -> R,
+    check: impl FnOnce(f64, &dyn Fn(f64) -> Mat<f64>, &dyn StepLimit) -> R,
 ) -> R {
     let pencil = model.pencil();
-    let limit = SchemeLimit::new(&pencil, Box::new(model.closed_form()), scheme, theta).unwrap();
+    let limit = limit_of(model, &pencil, scheme, theta);
     let dense = Dense::new(&pencil, penalties);
-    let far = 2.0 / limit.contact_free().value.sqrt();
+    let far = 2.0 / free_of(&*limit).value.sqrt();
     let matrix = |c: f64| match scheme {
         SchemeName::Park => dense.park(c * far, far, theta),
         _ => dense.predictor_corrector(c * far),
     };
-    check(relative_limit(&limit, penalties), &matrix, &limit)
+    check(relative_limit(&*limit, penalties), &matrix, &*limit)
 }
 
 #[test]
@@ -175,7 +196,7 @@ fn every_multiplier_is_inside_below_the_limit_and_one_outside_above() {
                     above = (above * limit).min(0.5 * (1.0 + limit)) / limit;
                 }
                 let (count, largest) = outside(&matrix(above * limit));
-                let Some(growth) = engine.growth_at(&penalties, above * limit) else {
+                let Some(growth) = growth_of(engine, &penalties, above * limit) else {
                     assert!(limit == 1.0 && count > 0, "stable beyond dt_c: {}", place());
                     return;
                 };
@@ -214,8 +235,8 @@ fn on_a_wall(elements: usize, gamma: f64) -> Model {
 
 fn relative(model: &Model, scheme: SchemeName, theta: f64, beta_s: f64, ratio: f64) -> f64 {
     let pencil = model.pencil();
-    let limit = SchemeLimit::new(&pencil, Box::new(model.closed_form()), scheme, theta).unwrap();
-    relative_limit(&limit, &penalties(model, beta_s, ratio))
+    let limit = limit_of(model, &pencil, scheme, theta);
+    relative_limit(&*limit, &penalties(model, beta_s, ratio))
 }
 
 #[test]
@@ -257,8 +278,7 @@ fn the_park_scheme_without_pullback_has_the_limit_of_its_effective_stiffness() {
             let left =
                 Penalty { stiffness: p.stiffness / (1.0 + mass * chain.compliance()[0]), ..Penalty::NONE };
             let l_max = bipenalty::spectrum::Sturm::new(chain).enclose(&left, None).unwrap().value;
-            let limit =
-                SchemeLimit::new(&pencil, Box::new(model.closed_form()), SchemeName::Park, 0.0).unwrap();
+            let limit = limit_of(&model, &pencil, SchemeName::Park, 0.0);
             let found = limit.enclose(&p, None).unwrap().l;
             assert!((found.value / l_max - 1.0).abs() < 2e-13, "{} is not {l_max}", found.value);
         }
@@ -273,11 +293,9 @@ fn a_quarter_is_the_largest_ratio_free_of_cost_to_the_predictor_corrector() {
         let model = Model::new(scene, numbers.mass(), PenaltyMass::Consistent);
         let top = {
             let pencil = model.pencil();
-            let limit =
-                SchemeLimit::new(&pencil, Box::new(model.closed_form()), SchemeName::PredictorCorrector, 0.5)
-                    .unwrap();
+            let limit = limit_of(&model, &pencil, SchemeName::PredictorCorrector, 0.5);
             // r* is measured in the frequency of the elements that touch; r = 1/4 keeps their limit.
-            limit.contact_free().value / model.reference_eigenvalue()
+            free_of(&*limit).value / model.reference_eigenvalue()
         };
         let beta_s = 10f64.powf(numbers.between(5.0, 9.0));
         let kept = relative(&model, SchemeName::PredictorCorrector, 0.5, beta_s, 0.25 * top);
@@ -349,20 +367,19 @@ fn the_plastic_ratio_takes_the_penetration_out_in_one_step() {
     for gamma in [0.0, 0.5, 1.0] {
         let model = on_a_wall(9, gamma);
         let pencil = model.pencil();
-        let limit =
-            SchemeLimit::new(&pencil, Box::new(model.closed_form()), SchemeName::PredictorCorrector, 0.5)
-                .unwrap();
+        let limit = limit_of(&model, &pencil, SchemeName::PredictorCorrector, 0.5);
+        let plastic = ClosedLimit::new(&pencil, Box::new(model.auto())).unwrap();
         for (beta_s, c) in [(1e3, 0.5), (1e8, 0.5), (1e5, 0.9), (10.0, 1.0)] {
-            let ratio = limit.plastic_ratio(StiffnessPenalty::new(beta_s).unwrap(), c).unwrap();
-            let p = penalties(&model, beta_s, ratio.get());
-            let found = relative_limit(&limit, &p);
+            let ratio = plastic.plastic_ratio(beta_s, c).unwrap();
+            let p = penalties(&model, beta_s, ratio);
+            let found = relative_limit(&*limit, &p);
             assert!((found / c - 1.0).abs() < 1e-13, "{found} is not {c}");
-            let dt2 = 4.0 * c * c / limit.contact_free().value;
+            let dt2 = 4.0 * c * c / free_of(&*limit).value;
             let (mu, p) = (pencil.chain().unwrap().compliance()[0], p.terms(model.scales()[0]));
             let plasticity = dt2 * p.stiffness * mu / (1.0 + p.mass * mu);
             assert!((plasticity - 1.0).abs() < 1e-13, "{plasticity}");
         }
-        let small = limit.plastic_ratio(StiffnessPenalty::new(0.01).unwrap(), 0.5);
+        let small = plastic.plastic_ratio(0.01, 0.5);
         assert!(small.unwrap_err().to_string().contains("beta_s above"));
     }
 }

@@ -196,6 +196,14 @@ impl Contacts {
         self.compliance[j]
     }
 
+    /// mu_ij = z_i' M^-1 z_j, 1/kg.
+    pub fn compliance_between(&self, i: usize, j: usize) -> f64 {
+        match &self.coupling {
+            Coupling::Neighbours { .. } if i.abs_diff(j) > 1 => 0.0,
+            Coupling::Neighbours { .. } | Coupling::Full { .. } => self.mu(i, j),
+        }
+    }
+
     /// (mu x)_j.
     #[inline]
     pub(super) fn mu_times(&self, j: usize, x: &[f64]) -> f64 {

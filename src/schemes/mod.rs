@@ -16,6 +16,7 @@
 
 mod body;
 mod central_difference;
+mod closed;
 mod contact;
 mod energy;
 mod inertia;
@@ -36,7 +37,7 @@ pub use energy::Energy;
 pub use name::SchemeName;
 pub use operator::Operator;
 pub use park::Park;
-pub use predictor_corrector::PredictorCorrector;
+pub use predictor_corrector::{ClosedLimit, PredictorCorrector};
 pub use state::{ContactRule, State};
 
 use crate::error::Refusal;

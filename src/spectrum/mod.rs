@@ -16,6 +16,7 @@ mod step;
 mod sturm;
 
 pub use chain::{Chain, Segment};
+pub(crate) use dense::with_gaps_last;
 pub use dense::{Dense, MAX_DENSE_NODES};
 pub use flexibility::Flexibility;
 pub use root::{bisect, find_sign_change};
@@ -104,6 +105,9 @@ pub trait Engine: Sync {
 pub trait Condensed: Sync {
     /// Whether every eigenvalue lies below l with these contacts, of any sign.
     fn is_above(&self, terms: &[Terms], l: f64) -> bool;
+
+    /// The relative distance that rounding may shift the root of this sign near l, contacts aside.
+    fn rounding(&self, l: f64) -> f64;
 }
 
 /// The engine for a pencil of which nothing else is known: [`Secular`] for a chain, [`Dense`] for other matrices.
@@ -125,8 +129,12 @@ pub fn engine(pencil: &Pencil) -> Result<Box<dyn Engine + '_>, Refusal> {
 /// s z z' <= C (M + M_p) (C the contact bound) and |M| <= c M, c <= 3 (the pencil's [`Bounds`](crate::pencil::Bounds)),
 /// that moves the eigenvalue by at most 8u (3 l + B + C).
 pub fn sturm_backward_error(pencil: ChainPencil<'_>, terms: &[Terms], l: f64) -> f64 {
-    let mass = pencil.pencil().bounds().mass.max(3.0);
-    8.0 * UNIT_ROUNDOFF * (mass + (pencil.stiffness_bound(terms) + pencil.contact_bound(terms)) / l)
+    sign_error(pencil, pencil.stiffness_bound(terms) + pencil.contact_bound(terms), l)
+}
+
+/// The same with a bound of the stiffness, contacts included, relative to the mass.
+fn sign_error(pencil: ChainPencil<'_>, stiffness: f64, l: f64) -> f64 {
+    8.0 * UNIT_ROUNDOFF * (pencil.pencil().bounds().mass.max(3.0) + stiffness / l)
 }
 
 /// Refuses an enclosure that is too wide or does not hold its own value.

@@ -47,7 +47,7 @@ use super::chain::Chain;
 use super::sturm::{Rows, rows};
 use super::{
     Condensed, Enclosure, Engine, Segment, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
-    sturm_backward_error,
+    sign_error, sturm_backward_error,
 };
 use crate::pencil::{ChainPencil, Penalty, Terms, last_pivot};
 
@@ -123,6 +123,10 @@ impl Engine for Secular<'_> {
 impl Condensed for Secular<'_> {
     fn is_above(&self, terms: &[Terms], l: f64) -> bool {
         self.chain.is_above_spectrum(terms, l)
+    }
+
+    fn rounding(&self, l: f64) -> f64 {
+        sign_error(self.pencil, self.pencil.pencil().bounds().stiffness, l)
     }
 }
 

@@ -85,6 +85,22 @@ pub trait StepLimit: Sync {
         Vec::new()
     }
 
+    /// Whether closed contacts are proven to cost no step against the same pencil without them.
+    fn costs_nothing(&self, _penalty: &Penalty) -> bool {
+        false
+    }
+
+    /// The largest ratio that costs no step at beta_s, as the theory has it; `None` if none costs any or none is known.
+    fn expected_ratio(&self, _beta_s: f64) -> Option<f64> {
+        None
+    }
+
+    /// The points (beta_s, r) whose limit is l, where one number tells them: (W, mu), m/N and 1/kg, of
+    /// 1/(beta_s w) + mu/(r omega^2) = W.
+    fn line(&self, _l: f64) -> Option<(f64, f64)> {
+        None
+    }
+
     /// The share of a start with velocities alone that grows beyond the limit `step`.
     fn share(&self, _step: &Step) -> f64 {
         1.0

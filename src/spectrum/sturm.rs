@@ -3,7 +3,8 @@
 use std::cell::Cell;
 
 use super::{
-    Chain, Condensed, Enclosure, Engine, Segment, Uncertified, bisect, certify, sturm_backward_error,
+    Chain, Condensed, Enclosure, Engine, Segment, Uncertified, bisect, certify, sign_error,
+    sturm_backward_error,
 };
 use crate::pencil::{ChainPencil, Penalty, Terms, last_pivot};
 
@@ -120,5 +121,9 @@ impl Engine for Sturm<'_> {
 impl Condensed for Sturm<'_> {
     fn is_above(&self, terms: &[Terms], l: f64) -> bool {
         self.chain.is_above_spectrum(terms, l)
+    }
+
+    fn rounding(&self, l: f64) -> f64 {
+        sign_error(self.pencil, self.pencil.pencil().bounds().stiffness, l)
     }
 }

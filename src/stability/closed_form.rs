@@ -23,7 +23,7 @@ use crate::spectrum::{
 /// y = l/omega_e^2 - 1 and of the angle are relative errors of y, at most 14 of them, and shift l by B |y|, not by l: they are
 /// part of the term B/l. The stored entries of the pencil differ from EA/h and rho h A by 4 more, of which those of the
 /// mass count thrice: 24 + 12 for what goes with l, 28 and fewer for what goes with B.
-pub(super) const ROUNDOFFS: f64 = 36.0;
+const ROUNDOFFS: f64 = 36.0;
 
 /// What the contacts of a scene make of its equations.
 #[derive(Debug)]
@@ -273,5 +273,9 @@ impl Engine for ClosedForm {
 impl Condensed for ClosedForm {
     fn is_above(&self, terms: &[Terms], l: f64) -> bool {
         self.excess(terms, l) > 0.0
+    }
+
+    fn rounding(&self, l: f64) -> f64 {
+        UNIT_ROUNDOFF * ROUNDOFFS * (1.0 + self.element_bound / l)
     }
 }

@@ -8,10 +8,10 @@
 //! so beta_s is explicit for given r and r for given beta_s. With several contacts C_r is monotone in beta_s for given
 //! r, and one bisection on the sign of the last pivot finds the point.
 
-use super::{ClosedForm, Model, SchemeLimit};
+use super::{ClosedForm, Model};
 use crate::error::Refusal;
 use crate::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
-use crate::spectrum::bisect;
+use crate::spectrum::{StepLimit, bisect};
 
 /// The points (beta_s, r) at which C_r takes one value, ordered by beta_s; empty if it does not on the rectangle.
 pub fn contour(
@@ -37,14 +37,14 @@ pub fn contour(
 /// line. Empty for several contacts and above the contact-free limit.
 pub fn scheme_contour(
     model: &Model,
-    limit: &SchemeLimit<'_>,
+    limit: &dyn StepLimit,
     critical_courant: f64,
     beta_s: (f64, f64),
     ratio: (f64, f64),
 ) -> Vec<(f64, f64)> {
     let l = 4.0 * model.reference_rate() / (critical_courant * critical_courant);
-    let (Some(w), [scale]) = (limit.effective_flexibility(l), model.scales()) else { return Vec::new() };
-    let (b, r) = (1.0 / (w * scale.stiffness), limit.compliance() / (w * model.reference_eigenvalue()));
+    let (Some((w, mu)), [scale]) = (limit.line(l), model.scales()) else { return Vec::new() };
+    let (b, r) = (1.0 / (w * scale.stiffness), mu / (w * model.reference_eigenvalue()));
     // b/beta_s + r/ratio = 1.
     let over_beta = samples(beta_s).map(|beta_s| (beta_s, r / (1.0 - b / beta_s)));
     let over_ratio = samples(ratio).map(|ratio| (b / (1.0 - r / ratio), ratio));

@@ -9,7 +9,6 @@ mod map;
 mod model;
 mod optimal_ratio;
 mod plan;
-mod scheme_limit;
 mod uniform_bar;
 
 pub use auto::Auto;
@@ -21,5 +20,4 @@ pub use model::{CriticalStep, EngineName, Model};
 pub use optimal_ratio::{
     Expectation, OptimalRatio, check_has_contact, governing_bar, optimal_ratio, optimal_scheme_ratio,
 };
-pub use scheme_limit::SchemeLimit;
 pub use uniform_bar::UniformBar;

@@ -4,7 +4,7 @@
 //! any mesh, so every r <= r* = l_max(K, M)/omega_e^2 is free of cost, for every beta_s. When the top mode moves a
 //! gap of the stiffest contact, a larger r costs a step at once: r* is the optimum, 1 for a bar with free ends.
 
-use super::{Model, SchemeLimit, UniformBar};
+use super::{Model, UniformBar};
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::pencil::Penalty;
@@ -85,17 +85,17 @@ pub fn optimal_ratio(
 }
 
 /// The same for the limit of a scheme: the largest r whose limit is not below the contact-free one, between one that
-/// is proven to cost nothing ([`SchemeLimit::costs_nothing`]) and one whose enclosure lies apart. Park: 0 and no lower
+/// is proven to cost nothing ([`StepLimit::costs_nothing`]) and one whose enclosure lies apart. Park: 0 and no lower
 /// bound where every ratio costs.
 ///
 /// # Errors
 /// Passes on a limit that could not be certified.
 pub fn optimal_scheme_ratio(
     model: &Model,
-    limit: &SchemeLimit<'_>,
+    limit: &dyn StepLimit,
     beta_s: StiffnessPenalty,
 ) -> Result<Option<OptimalRatio>, Uncertified> {
-    let free = limit.contact_free();
+    let free = limit.enclose(&Penalty::NONE, None)?.l;
     let penalised = |r: Ratio| limit.enclose(&model.penalty(beta_s, r), None).map(|step| step.l);
     let with = |r: f64, test: &dyn Fn(Ratio) -> bool| Ratio::new(r).is_ok_and(test);
     let costs = |r: f64| with(r, &|r| penalised(r).is_ok_and(|l| l.lower > free.upper));

@@ -4,13 +4,12 @@ use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
 use bipenalty::scene::{Bar, End, Scene};
 use bipenalty::schemes::SchemeName;
-use bipenalty::spectrum::StepLimit as _;
-use bipenalty::stability::{Model, SchemeLimit};
+use bipenalty::stability::Model;
 use faer::Mat;
 use rayon::prelude::*;
 
 use super::common::numbers::Numbers;
-use super::{outside, penalties, with_limit};
+use super::{free_of, growth_of, limit_of, outside, penalties, with_limit};
 
 fn row(parts: &[(f64, f64, f64, usize)], ends: (End, End)) -> Scene {
     let bar = |&(youngs_modulus, density, area, elements): &(f64, f64, f64, usize)| Bar {
@@ -49,7 +48,7 @@ fn the_park_limit_of_a_soft_bar_behind_a_stiff_one_is_its_own() {
     let model = Model::new(scene, MassMatrix::CONSISTENT, PenaltyMass::Consistent);
     let p = penalties(&model, 3e4, 4.0);
     with_limit(&model, SchemeName::Park, 0.5, &p, |limit, matrix, engine| {
-        let courant = model.critical_courant(engine.contact_free().value) * limit;
+        let courant = model.critical_courant(free_of(engine).value) * limit;
         assert!((courant - 0.257104).abs() < 1e-6, "{courant}");
         assert_eq!(outside(&matrix(limit * 0.9999)).0, 0);
         assert!(outside(&matrix(limit * 1.001)).0 > 0);
@@ -85,7 +84,7 @@ fn check(point: u64) -> [usize; 2] {
     let beta_s = 10f64.powf(numbers.between(0.0, 6.0));
     let p = penalties(&model, beta_s, ratio);
     let pencil = model.pencil();
-    let engine = SchemeLimit::new(&pencil, Box::new(model.closed_form()), SchemeName::Park, theta).unwrap();
+    let engine = limit_of(&model, &pencil, SchemeName::Park, theta);
     if let Err(error) = engine.enclose(&p, None) {
         println!("point {point}: beta_s = {beta_s:e}, r = {ratio}, theta = {theta}: {error}");
         return [1, 0];
@@ -97,7 +96,7 @@ fn check(point: u64) -> [usize; 2] {
             assert!(largest <= 1.0 + ROUNDING, "|z| = {largest} at {below} of {limit}: {}", place());
         }
         let above = 1.001 * limit;
-        match engine.growth_at(&p, above) {
+        match growth_of(engine, &p, above) {
             Some(growth) if above < 1.0 && growth > 4.0 * ROUNDING => {
                 let (count, _) = outside(&scaled(&matrix(above), &model, above));
                 assert!(count > 0, "stable above {limit}, predicted {growth:e}: {}", place());

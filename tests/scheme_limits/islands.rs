@@ -5,10 +5,10 @@ use bipenalty::penalty::PenaltyMass;
 use bipenalty::pencil::Terms;
 use bipenalty::scene::{End, Scene};
 use bipenalty::schemes::SchemeName;
-use bipenalty::stability::{Model, SchemeLimit};
+use bipenalty::stability::Model;
 
 use super::common::numbers::Numbers;
-use super::{Dense, islands_of, on_a_wall, outside, penalties, with_limit};
+use super::{Dense, free_of, growth_of, islands_of, limit_of, on_a_wall, outside, penalties, with_limit};
 
 /// Beyond its limit a scheme is unstable, but in the islands that are reported. Steps up to dt_c for Park, up to 2 dt_c and
 /// beyond dt^2 s' mu = 4/3 (where growth cannot be slow) for the predictor-corrector.
@@ -30,7 +30,7 @@ fn no_island_of_stability_is_left_out() {
                     if islands.iter().any(|(low, high)| (0.999 * low..=1.001 * high).contains(&c)) {
                         continue;
                     }
-                    if engine.growth_at(&p, c).is_some_and(|growth| growth == 0.0 || growth > 1e-5) {
+                    if growth_of(engine, &p, c).is_some_and(|growth| growth == 0.0 || growth > 1e-5) {
                         looked += 1;
                         let (count, largest) = outside(&matrix(c));
                         assert!(
@@ -93,7 +93,7 @@ fn unlike_contacts_stand_more_than_the_safe_step() {
         let scene = Scene::new("unlike", End::Free, bars, End::Wall, None).unwrap();
         let model = Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent);
         let pencil = model.pencil();
-        let park = SchemeLimit::new(&pencil, Box::new(model.closed_form()), SchemeName::Park, 0.5).unwrap();
+        let park = limit_of(&model, &pencil, SchemeName::Park, 0.5);
         // No stiffer, so that the growth is seen where it begins.
         let p = penalties(&model, 10f64.powf(numbers.between(0.0, 1.5)), f64::INFINITY);
         // Lumped mass: C G is diagonal, s' mu a contact.
@@ -101,7 +101,7 @@ fn unlike_contacts_stand_more_than_the_safe_step() {
         let chain = pencil.chain().unwrap();
         let largest = chain.compliance().iter().zip(&chain.terms(&p)).map(plastic).fold(0.0, f64::max);
         let safe = 1.0 / largest.sqrt();
-        if safe * park.contact_free().value.sqrt() > 2.0 {
+        if safe * free_of(&*park).value.sqrt() > 2.0 {
             continue;
         }
         let dense = Dense::new(&pencil, &p);

@@ -9,9 +9,9 @@ use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::Penalty;
 use bipenalty::scene::Scene;
-use bipenalty::schemes::SchemeName;
+use bipenalty::schemes::{ClosedLimit, SchemeName};
 use bipenalty::spectrum::{Enclosure, StepLimit, Uncertified};
-use bipenalty::stability::{Axis, Curve, Grid, Model, SchemeLimit, map};
+use bipenalty::stability::{Axis, Curve, Grid, Model, map};
 
 /// How the points of a job are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,15 +99,15 @@ impl Job {
     /// step: dt^2 s' mu = 1.
     ///
     /// # Errors
-    /// What [`SchemeLimit::plastic_ratio`] and [`Job::new`] refuse.
+    /// What [`ClosedLimit::plastic_ratio`] and [`Job::new`] refuse.
     pub fn plastic(stem: String, model: Model, beta_s: Axis, relative_courant: f64) -> Result<Self, Refusal> {
         model.check_pencil()?;
         let pencil = model.pencil();
-        let limit =
-            SchemeLimit::new(&pencil, Box::new(model.closed_form()), SchemeName::PredictorCorrector, 0.5)?;
+        model.limit(SchemeName::PredictorCorrector.scheme(), &pencil)?;
+        let limit = ClosedLimit::new(&pencil, Box::new(model.auto()))?;
         let ratio = |beta_s: &f64| {
-            let beta_s = StiffnessPenalty::new(*beta_s)?;
-            limit.plastic_ratio(beta_s, relative_courant).map(Ratio::get)
+            let beta_s = StiffnessPenalty::new(*beta_s)?.get();
+            limit.plastic_ratio(beta_s, relative_courant)
         };
         let ratios: Result<Vec<f64>, Refusal> = beta_s.values.iter().map(ratio).collect();
         let job = Self::new(stem, vec![model.clone()], beta_s, Axis::list(ratios?))?;
@@ -201,7 +201,7 @@ impl Job {
 /// # Errors
 /// See [`Grid::new`].
 pub fn checked_grid(beta_s: &Axis, ratio: &Axis) -> Result<Grid, Refusal> {
-    Grid::new(beta_s, ratio).map_err(by_option)
+    Grid::new(beta_s, ratio)
 }
 
 /// Refuses a grid whose points, of `bytes` each, the memory does not hold, by the options that the user typed.
@@ -209,16 +209,7 @@ pub fn checked_grid(beta_s: &Axis, ratio: &Axis) -> Result<Grid, Refusal> {
 /// # Errors
 /// See [`Grid::require_memory`].
 pub fn require_memory(grid: &Grid, bytes: u64) -> Result<(), Refusal> {
-    grid.require_memory(bytes).map_err(by_option)
-}
-
-fn by_option(refusal: Refusal) -> Refusal {
-    let place = match refusal.place.as_str() {
-        "beta_s" => "--beta-s",
-        "r" => "--ratio",
-        _ => "--beta-s, --ratio",
-    };
-    Refusal { place: place.to_owned(), ..refusal }
+    grid.require_memory(bytes)
 }
 
 /// How the limit of a scheme is found for `model`.

@@ -52,7 +52,7 @@ pub fn finish(outcome: Result<Verdict>) -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("error: {error}");
+            eprintln!("error: {}", options::by_option(error));
             ExitCode::from(2)
         }
     }

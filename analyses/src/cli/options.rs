@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use clap::{Args, ValueEnum, ValueHint};
 
-use crate::error::{Refusal, Result};
+use crate::error::{Error, Refusal, Result};
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
 use bipenalty::pencil::Pencil;
@@ -170,13 +170,13 @@ impl LimitOptions {
             return Err(Refusal::new("--theta", theta, format!("no theta with {place}, or --limit park")));
         }
         let Some(scheme) = self.limit.scheme() else {
-            return model.check_engine(self.engine).map_err(by_option);
+            return model.check_engine(self.engine);
         };
         if self.engine != EngineName::Auto {
             return Err(Refusal::new("--engine", self.engine.text(), format!("auto with {place}")));
         }
         model.check_pencil()?;
-        model.limit(&*scheme.with_theta(self.theta())?, &model.pencil()).map(|_| ()).map_err(by_option)
+        model.limit(&*scheme.with_theta(self.theta())?, &model.pencil()).map(|_| ())
     }
 
     /// theta of the Park scheme.
@@ -199,12 +199,8 @@ impl LimitOptions {
         pencil: Option<&'a Pencil>,
     ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
         match (self.limit.scheme(), pencil) {
-            (Some(scheme), Some(pencil)) => {
-                model.limit(&*scheme.with_theta(self.theta())?, pencil).map_err(by_option)
-            }
-            (None, Some(pencil)) => {
-                Ok(Box::new(Spectrum(model.engine(self.engine, pencil).map_err(by_option)?)))
-            }
+            (Some(scheme), Some(pencil)) => model.limit(&*scheme.with_theta(self.theta())?, pencil),
+            (None, Some(pencil)) => Ok(Box::new(Spectrum(model.engine(self.engine, pencil)?))),
             (_, None) => Ok(Box::new(Spectrum(Box::new(model.closed_form())))),
         }
     }
@@ -319,20 +315,22 @@ pub enum StandardOutput {
     Json,
 }
 
-/// A refusal by the option that the user typed.
-pub(super) fn by_option(refusal: Refusal) -> Refusal {
+/// An error by the options that the user typed: the library refuses parameters, and knows no options.
+pub(super) fn by_option(error: Error) -> Error {
+    let Error::Library(bipenalty::error::Error::Refused(refusal)) = error else { return error };
     let place = match refusal.place.as_str() {
         "beta_s" => "--beta-s",
         "r" | "ratio" => "--ratio",
-        "beta_s, ratio" => "--beta-s, --ratio",
+        "beta_s, ratio" | "grid" => "--beta-s, --ratio",
         "theta" => "--theta",
         "limit" => "--limit",
         "engine" => "--engine",
+        "tolerance" => "--tolerance",
         "relative Courant number" => "--relative-courant",
         other => other,
     };
     let allowed = refusal
         .allowed
         .replace("the consistent mass penalty", "the consistent mass penalty, --penalty-mass consistent");
-    Refusal { place: place.to_owned(), allowed, ..refusal }
+    Refusal { place: place.to_owned(), allowed, ..refusal }.into()
 }

@@ -1,14 +1,17 @@
 //! The stabilised scheme of Park with pullback and averaging.
 
+mod fractions;
+mod limit;
+mod moments;
 mod motion;
 
+use limit::ParkLimit;
 use motion::Steps;
 
-use super::{ContactSearch, Facts, Motion, Onset, Scheme, SchemeName, System};
+use super::{ContactSearch, Facts, Motion, Onset, Scheme, System};
 use crate::error::Refusal;
 use crate::pencil::Pencil;
 use crate::spectrum::{Engine, StepLimit};
-use crate::stability::SchemeLimit;
 
 /// The stabilised Park scheme (paper, 4.5). Its pullback extrapolates to the critical step of the contact-free system.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,6 +66,6 @@ impl Scheme for Park {
         pencil: &'a Pencil,
         spectrum: Box<dyn Engine + 'a>,
     ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
-        Ok(Box::new(SchemeLimit::new(pencil, spectrum, SchemeName::Park, self.theta)?))
+        Ok(Box::new(ParkLimit::new(pencil, spectrum, self.theta)?))
     }
 }

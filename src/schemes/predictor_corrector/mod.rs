@@ -1,14 +1,19 @@
 //! The stabilised predictor-corrector scheme of the paper.
 
+mod bound;
+mod definite;
+mod growth;
+mod limit;
 mod motion;
 
+use bound::Bound;
+pub use limit::ClosedLimit;
 use motion::Steps;
 
-use super::{ContactSearch, Facts, Motion, Onset, Scheme, SchemeName, System};
+use super::{ContactSearch, Facts, Motion, Onset, Scheme, System};
 use crate::error::Refusal;
 use crate::pencil::Pencil;
 use crate::spectrum::{Engine, StepLimit};
-use crate::stability::SchemeLimit;
 
 /// The stabilised predictor-corrector scheme (paper, 4.4).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -39,6 +44,9 @@ impl Scheme for PredictorCorrector {
         pencil: &'a Pencil,
         spectrum: Box<dyn Engine + 'a>,
     ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
-        Ok(Box::new(SchemeLimit::new(pencil, spectrum, SchemeName::PredictorCorrector, 0.0)?))
+        match pencil.chain() {
+            Some(_) => Ok(Box::new(ClosedLimit::new(pencil, spectrum)?)),
+            None => Ok(Box::new(Bound::new(pencil, spectrum)?)),
+        }
     }
 }
