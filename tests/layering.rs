@@ -16,10 +16,10 @@ const MAY_NAME: [(&str, &[&str]); 12] = [
     ("pencil", &["error", "sparse"]),
     ("sparse", &[]),
     ("penalty", &["error", "pencil"]),
-    ("spectrum", &["error", "pencil"]),
+    ("spectrum", &["error", "sparse", "pencil"]),
     ("stability", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit
     ("schemes", &["error", "sparse", "pencil", "spectrum"]),
-    ("impact", &["error", "memory", "scene", "fem", "pencil", "penalty", "schemes", "stability"]),
+    ("impact", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "stability"]),
     ("verify", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "stability", "schemes", "impact"]),
 ];
 
