@@ -14,6 +14,10 @@
 //! # Ok::<(), bipenalty::error::Error>(())
 //! ```
 
+mod elements;
+
+pub use elements::{Element, assemble_elements};
+
 use crate::error::Refusal;
 use crate::pencil::{Bounds, Gap, Matrix, Pencil, Scale, Tridiagonal};
 use crate::scene::{Bar, ContactSite, End, Scene};

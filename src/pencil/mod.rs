@@ -78,10 +78,22 @@ impl Pencil {
         bounds: Bounds,
         reference: f64,
     ) -> Result<Self, Refusal> {
+        let pencil = Self::of_checked_elements(stiffness, mass, gaps, bounds, reference)?;
+        bounds.check(pencil.stiffness(), pencil.mass())?;
+        Ok(pencil)
+    }
+
+    /// As [`Pencil::new`] for matrices whose bounds are those of their elements.
+    pub(crate) fn of_checked_elements(
+        stiffness: Matrix,
+        mass: Matrix,
+        gaps: Vec<Gap>,
+        bounds: Bounds,
+        reference: f64,
+    ) -> Result<Self, Refusal> {
         check::matrices(&stiffness, &mass)?;
         check::gaps(&gaps, stiffness.size())?;
         check::positive("reference", reference, "rad^2/s^2")?;
-        bounds.check(&stiffness, &mass)?;
         Ok(Self::of_elements(stiffness, mass, gaps, bounds, reference))
     }
 

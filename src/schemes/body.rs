@@ -38,6 +38,7 @@ pub struct Body {
     pub dt: f64,
     /// Which contacts are closed.
     pub rule: ContactRule,
+    p: Vec<f64>,
 }
 
 impl Body {
@@ -50,12 +51,24 @@ impl Body {
         positive("time step", *time_step)?;
         Ok(Self {
             contacts: Contacts::new(pencil, penalty)?,
+            p: vec![0.0; pencil.gaps().len()],
             operator: Operator::new(pencil, load, scale)?,
             pencil: (*pencil).clone(),
             load: load.clone(),
             dt: *time_step,
             rule: system.rule,
         })
+    }
+
+    /// dt (M + M_p)^-1 (f - K u - K_p u) with the contacts that are closed at u, for an operator of scale dt: their
+    /// reactions (s g + m Z'M^-1 (f - K u))/(1 + m mu) go into the state.
+    pub fn kick(&mut self, state: &mut State, kick: &mut [f64]) {
+        let Self { contacts, operator, dt, rule, p, .. } = self;
+        state.search(*rule);
+        operator.apply(&state.displacement, kick);
+        p.iter_mut().enumerate().for_each(|(j, p)| *p = contacts.across(j, kick) / *dt);
+        contacts.reactions(&state.closed, &state.gap, Some(p), &mut state.force);
+        contacts.add_columns(-*dt, &state.force, kick);
     }
 
     /// The energies of `state` that need no scheme, with `velocity` at the time of u: penalty and loss are 0.

@@ -80,6 +80,15 @@ impl State {
         }
     }
 
+    /// Reads the gaps from u and v: simple, where the digits that u has lost are not needed.
+    pub fn read_gaps(&mut self, contacts: &Contacts) {
+        for j in 0..contacts.len() {
+            let gap = contacts.across(j, &self.displacement) + contacts.initial(j);
+            self.last_gap_change[j] = gap - std::mem::replace(&mut self.gap[j], gap);
+            self.gap_velocity[j] = contacts.across(j, &self.velocity);
+        }
+    }
+
     /// Sets u and v of the contact nodes from the gaps, which have kept more digits.
     pub fn settle(&mut self, contacts: &Contacts) {
         for j in 0..contacts.len() {

@@ -22,7 +22,7 @@ pub use flexibility::Flexibility;
 pub use root::{bisect, find_sign_change};
 pub use secular::Secular;
 pub(crate) use secular::chebyshev;
-pub use step::{Evidence, Spectrum, Step, StepLimit};
+pub use step::{Evidence, OfSpectrum, Spectrum, Step, StepLimit};
 pub use sturm::Sturm;
 
 use crate::error::Refusal;

@@ -1,0 +1,89 @@
+//! Elements of any kind: what a mesh is assembled from when it is no row of bars.
+
+use faer::{Mat, Side};
+
+use crate::error::Refusal;
+use crate::pencil::{Bounds, Gap, Matrix, Pencil};
+use crate::sparse::Csr;
+
+/// A linear element: the unknowns that it joins, and its matrices.
+pub trait Element {
+    /// The unknowns, p of them.
+    fn unknowns(&self) -> Vec<u32>;
+
+    /// K_e (N/m) and M_e (kg), p x p, symmetric, row by row.
+    fn matrices(&self) -> (Vec<f64>, Vec<f64>);
+}
+
+/// The pencil of `size` unknowns with its contacts. The bounds are the largest of the elements', since what each element
+/// obeys, their sum does; the reference is omega^2 of the ratio, rad^2/s^2, or without one the bound of the stiffness.
+///
+/// # Errors
+/// An element whose matrices have the wrong size, are not symmetric and finite, or whose mass is not positive definite; an
+/// unknown that no element reaches; what [`Pencil::new`] refuses of gaps and reference.
+pub fn assemble_elements(
+    size: usize,
+    elements: &[&dyn Element],
+    gaps: Vec<Gap>,
+    reference: Option<f64>,
+) -> Result<Pencil, Refusal> {
+    let (mut stiffness, mut mass) = (Vec::new(), Vec::new());
+    let mut bounds = Bounds { stiffness: f64::MIN_POSITIVE, mass: 1.0 };
+    for (e, element) in elements.iter().enumerate() {
+        let (unknowns, (k, m)) = (element.unknowns(), element.matrices());
+        let own = bounds_of(&k, &m, unknowns.len()).ok_or_else(|| {
+            let allowed =
+                "symmetric finite matrices of the size of the unknowns, and a positive definite mass";
+            Refusal::new(format!("element {e}"), "its matrices", allowed)
+        })?;
+        if let Some(outside) = unknowns.iter().find(|i| **i as usize >= size) {
+            return Err(Refusal::new(format!("element {e}"), outside, format!("unknowns below {size}")));
+        }
+        bounds.stiffness = bounds.stiffness.max(own.stiffness);
+        bounds.mass = bounds.mass.max(own.mass);
+        for (entries, matrix) in [(&k, &mut stiffness), (&m, &mut mass)] {
+            let places = unknowns.iter().flat_map(|i| unknowns.iter().map(move |j| (*i, *j)));
+            let nonzero = places.zip(entries).filter(|((i, j), a)| i == j || **a != 0.0);
+            matrix.extend(nonzero.map(|((i, j), a)| (i, j, *a)));
+        }
+    }
+    let (k, m) = (Csr::from_triplets(size, size, &stiffness), Csr::from_triplets(size, size, &mass));
+    let lumped = m.len() == size && (0..size).all(|i| m.get(i, i) != 0.0);
+    let m =
+        if lumped { Matrix::Diagonal((0..size).map(|i| m.get(i, i)).collect()) } else { Matrix::Sparse(m) };
+    Pencil::of_checked_elements(Matrix::Sparse(k), m, gaps, bounds, reference.unwrap_or(bounds.stiffness))
+}
+
+/// The bounds of one element by D = diag(M): l_max(|K|, D) and l_max(|M|, D) over l_min(M, D).
+fn bounds_of(k: &[f64], m: &[f64], size: usize) -> Option<Bounds> {
+    let symmetric = |a: &[f64]| (0..size).all(|i| (0..i).all(|j| a[i * size + j] == a[j * size + i]));
+    let finite = k.iter().chain(m).all(|a| a.is_finite());
+    if size == 0
+        || k.len() != size * size
+        || m.len() != size * size
+        || !finite
+        || !symmetric(k)
+        || !symmetric(m)
+    {
+        return None;
+    }
+    let own = |i: usize| m[i * size + i];
+    if (0..size).any(|i| own(i) <= 0.0) {
+        return None;
+    }
+    let eigenvalues = |entry: &dyn Fn(usize) -> f64| {
+        let scaled = |i: usize, j: usize| entry(i * size + j) / (own(i).sqrt() * own(j).sqrt());
+        Mat::from_fn(size, size, scaled).self_adjoint_eigenvalues(Side::Lower).ok()
+    };
+    let largest = |values: Vec<f64>| values.last().copied();
+    let stiffness = largest(eigenvalues(&|i| k[i].abs())?)?;
+    let mass = largest(eigenvalues(&|i| m[i].abs())?)?;
+    let least = *eigenvalues(&|i| m[i])?.first()?;
+    // A dense eigenvalue of p rows errs by some p^2 roundings of the largest.
+    let rounding = (4 * size * size + 16) as f64 * f64::EPSILON;
+    let least = least - rounding * mass;
+    (least > 0.0).then(|| Bounds {
+        stiffness: stiffness * (1.0 + rounding) / least,
+        mass: (mass * (1.0 + rounding) / least).max(1.0),
+    })
+}

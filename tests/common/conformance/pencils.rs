@@ -1,0 +1,73 @@
+//! What every pencil must do: its bounds hold, its spectrum is enclosed, and steps find the same limit.
+
+use bipenalty::pencil::{Penalty, Pencil};
+use bipenalty::schemes::{CentralDifference, ContactRule, Scheme, System};
+use bipenalty::spectrum::{Dense, Engine};
+
+/// Penalties from none to stiff, of ratios below, at and above the neutral one.
+fn penalties(pencil: &Pencil) -> Vec<Penalty> {
+    let of =
+        |stiffness: f64, ratio: f64| Penalty { stiffness, rate: ratio * pencil.reference(), ..Penalty::NONE };
+    vec![Penalty::NONE, of(0.3, 1.0), of(10.0, 0.5), of(100.0, 1.0), of(1e4, f64::INFINITY)]
+}
+
+fn l_max(pencil: &Pencil, penalty: &Penalty) -> f64 {
+    let found = Dense::new(pencil).unwrap().enclose(penalty, None).unwrap();
+    assert!(found.lower <= found.value && found.value <= found.upper);
+    found.value
+}
+
+/// |x|'|K||x| <= B x'Mx and |x|'|M||x| <= c x'Mx for vectors that alternate, cluster or stand alone; the mediant bound.
+pub fn check(pencil: &Pencil) {
+    let (n, bounds) = (pencil.size(), pencil.bounds());
+    for k in 0..40_u64 {
+        let x: Vec<f64> = (0..n).map(|i| ((k * k + 7) as f64 * (i + 1) as f64 * 0.731).sin()).collect();
+        let sizes = |a: &bipenalty::pencil::Matrix| -> f64 {
+            (0..n)
+                .flat_map(|i| a.row(i).map(move |(j, a)| (i, j, a)))
+                .map(|(i, j, a)| (a * x[i] * x[j]).abs())
+                .sum()
+        };
+        let inertia = pencil.mass().quadratic(&x, &x) * (1.0 + 1e-12);
+        assert!(
+            sizes(pencil.stiffness()) <= bounds.stiffness * inertia,
+            "B = {} is too small",
+            bounds.stiffness
+        );
+        assert!(sizes(pencil.mass()) <= bounds.mass * inertia, "c = {} is too small", bounds.mass);
+    }
+    let free = l_max(pencil, &Penalty::NONE);
+    assert!(free <= bounds.stiffness * (1.0 + 1e-12));
+    for penalty in penalties(pencil) {
+        let found = l_max(pencil, &penalty);
+        assert!(found <= free.max(penalty.rate) * (1.0 + 1e-9), "{penalty:?}: {found} above the mediant");
+    }
+}
+
+/// Held closed, central differences grow just above 2/omega_max, and not just below.
+pub fn steps_to_the_limit(pencil: &Pencil) {
+    let n = pencil.size();
+    for penalty in penalties(pencil) {
+        let limit = 2.0 / l_max(pencil, &penalty).sqrt();
+        let grown = |relative: f64| {
+            let system = System {
+                pencil,
+                penalty,
+                load: Vec::new(),
+                time_step: relative * limit,
+                critical_step: limit,
+                rule: ContactRule::HeldClosed,
+                account: false,
+            };
+            let velocity: Vec<f64> = (0..n).map(|i| ((i * i + 1) as f64).sin()).collect();
+            let mut motion = CentralDifference.start(system, vec![0.0; n], velocity.clone()).unwrap();
+            let start = pencil.mass().quadratic(&velocity, &velocity);
+            (0..2000).for_each(|_| motion.step());
+            let v = &motion.state().velocity;
+            pencil.mass().quadratic(v, v) / start
+        };
+        // Below by 1e-3 amplitudes reach 1/sqrt(8e-3); above, 2000 steps grow by e^178.
+        assert!(grown(0.999) < 1e6, "{penalty:?} grows below its limit");
+        assert!(!(grown(1.001) < 1e12), "{penalty:?} does not grow above its limit");
+    }
+}
