@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use analyses::charts;
 use analyses::cli::{
-    LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments, check_stems,
+    self, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments, check_stems,
     checked_grid, finish, print_table, redraw_optimal_ratio, require_memory, tabulate_ratios,
 };
 use analyses::error::{Refusal, Result};
@@ -166,7 +166,7 @@ fn search(model: &Model, grid: &Grid, options: &LimitOptions, progress: &Progres
 fn explain(model: &Model, options: &Options, grid: &Grid) -> String {
     let (values, limit) = (grid.stiffness_penalties.len(), options.limit.limit);
     let method = match limit.scheme() {
-        None => model.explain(options.limit.engine, grid),
+        None => cli::explain(model, options.limit.engine, grid),
         Some(_) => format!("{}: bisection on the limit of {}", model.scene().name(), limit.name()),
     };
     format!("{values} values of beta_s, about 150 limits each\n  {method}\n")

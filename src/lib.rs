@@ -15,18 +15,23 @@
 //! steps and maps of it. [`schemes`] step in time, [`impact`] makes runs of them beside exact solutions, [`verify`] finds
 //! their limits by stepping alone.
 //!
+//! A pencil may come from elsewhere: matrices of any mesh, gaps as sparse columns ([`pencil::Pencil::new`]), elements of
+//! one's own ([`fem::assemble_elements`]). So may an engine ([`spectrum::Engine`]) and a scheme ([`schemes::Scheme`]);
+//! `tests/extensions` has one of each, a page long, and the suites that they pass.
+//!
 //! One critical time step (linear limit, closed contact), with its enclosure:
 //!
 //! ```
 //! use bipenalty::fem::MassMatrix;
 //! use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 //! use bipenalty::scene::load;
-//! use bipenalty::stability::{EngineName, Model};
+//! use bipenalty::spectrum::Engine;
+//! use bipenalty::stability::Model;
 //!
 //! let scene = load("signorini")?.with_elements(200)?;
 //! let model = Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent);
-//! let penalties = model.penalties(StiffnessPenalty::new(10.0)?, Ratio::new(2.0)?);
-//! let l_max = model.engine(EngineName::Auto, None).enclose(&penalties, None)?;
+//! let penalty = model.penalty(StiffnessPenalty::new(10.0)?, Ratio::new(2.0)?);
+//! let l_max = model.auto().enclose(&penalty, None)?;
 //! let step = model.critical_step(l_max);
 //! assert!((step.critical_courant - 0.7891948863055671).abs() < 1e-14);
 //! assert!(step.lower <= step.critical_courant && step.critical_courant <= step.upper);
@@ -40,14 +45,15 @@
 //! use bipenalty::fem::MassMatrix;
 //! use bipenalty::penalty::PenaltyMass;
 //! use bipenalty::scene::{Bar, End, Scene};
-//! use bipenalty::stability::{Axis, EngineName, Grid, Model, map};
+//! use bipenalty::spectrum::Spectrum;
+//! use bipenalty::stability::{Axis, Grid, Model, map};
 //!
 //! let steel = Bar { length: 0.2, elements: 80, youngs_modulus: 210e9, density: 7850.0, area: 4e-4, velocity: 5.0 };
 //! let rod = Bar { length: 1.0, elements: 300, youngs_modulus: 70e9, density: 2700.0, area: 3e-4, velocity: 0.0 };
 //! let scene = Scene::new("striker", End::Free, vec![steel, rod], End::Fixed, None)?;
 //! let model = Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent);
 //! let grid = Grid::new(&Axis::log(1e-3, 1e12, 61)?, &Axis::list([1.0, f64::INFINITY]))?;
-//! let curves = map(&model, &grid, model.engine(EngineName::Auto, None).as_ref(), &|_| ());
+//! let curves = map(&model, &grid, &Spectrum(Box::new(model.auto())), &|_| ());
 //! let limit = curves[0].points[60].step?;
 //! assert!(model.time_step(limit.lower) > 4.8e-7); // r = 1 keeps the step, in s, even at beta_s = 1e12
 //! assert!(curves[1].points[60].step?.critical_courant < 2e-6); // the pure penalty method does not
@@ -62,14 +68,14 @@
 //! use bipenalty::impact::{Recording, Run, Summary};
 //! use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 //! use bipenalty::scene::{Bar, End, Impact, Scene};
-//! use bipenalty::schemes::Scheme;
+//! use bipenalty::schemes::SchemeName;
 //! use bipenalty::stability::Model;
 //!
 //! let bar = Bar { length: 0.2, elements: 80, youngs_modulus: 210e9, density: 7850.0, area: 4e-4, velocity: 5.0 };
 //! let impact = Impact { duration: 1e-4, gaps: vec![0.0], gravity: 0.0 };
 //! let scene = Scene::new("taylor-bar", End::Free, vec![bar], End::Wall, Some(impact))?;
 //! let model = Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent);
-//! let run = Run::new(model, Scheme::PredictorCorrector, StiffnessPenalty::new(1e4)?, Ratio::OPTIMAL)?;
+//! let run = Run::new(model, SchemeName::PredictorCorrector, StiffnessPenalty::new(1e4)?, Ratio::OPTIMAL)?;
 //! let history = run.execute(&Recording::default(), None)?;
 //! let middle = history.forces(0).nth(history.time.len() / 3).unwrap();
 //! assert!((middle / (7850.0 * 5172.2 * 4e-4 * 5.0) - 1.0).abs() < 0.01);

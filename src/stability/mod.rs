@@ -8,7 +8,6 @@ mod grid;
 mod map;
 mod model;
 mod optimal_ratio;
-mod plan;
 mod uniform_bar;
 
 pub use auto::Auto;

@@ -15,7 +15,7 @@ use super::double_double::Dd;
 /// 6 * 16 * 2^-106 (3 l + B + C)/l relative, B and C the element and the contact bound: below 1e-28 for all the
 /// scenes here ((B + C)/l < 100), that is 1e-14 of the rounding it judges.
 pub fn count_above(pencil: &Pencil, penalty: &Penalty, l: Dd) -> usize {
-    let chain = pencil.chain().expect("a row of bars");
+    let chain = pencil.chain().unwrap();
     count_terms_above(chain, &chain.terms(penalty), l)
 }
 

@@ -27,7 +27,7 @@ impl<'a> Backwards<'a> {
                 let off = if i + 1 < bar.nodes.end { k.right(i) - l * m.right(i) } else { 0.0 };
                 pivot =
                     k.diagonal[i] - l * m.diagonal[i] + std::mem::take(&mut carried) - off * (off / pivot);
-                if i > bar.nodes.start && !(pivot < 0.0) {
+                if i > bar.nodes.start && (pivot.is_nan() || pivot >= 0.0) {
                     return false;
                 }
             }
@@ -36,7 +36,7 @@ impl<'a> Backwards<'a> {
                 return pivot + wall(j) < 0.0;
             }
             let (d, c) = (pivot - l * terms[j].nodal_mass, terms[j].dynamic_stiffness(l));
-            if !(d + c < 0.0) {
+            if d + c >= 0.0 {
                 return false;
             }
             carried = d * (c / (d + c)) - l * terms[j].nodal_mass;

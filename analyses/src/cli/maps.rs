@@ -188,7 +188,7 @@ impl Job {
         );
         for model in &self.models {
             text += &match limit.limit.scheme() {
-                None => format!("  {}\n", model.explain(limit.engine, &self.grid)),
+                None => format!("  {}\n", super::explain(model, limit.engine, &self.grid)),
                 Some(scheme) => format!("  {}\n", explain_scheme(model, scheme)),
             };
         }

@@ -10,6 +10,7 @@ mod opening;
 mod options;
 mod output;
 mod peers;
+mod plan;
 mod progress;
 mod redraw;
 mod summary;
@@ -24,6 +25,7 @@ pub use options::{
 };
 pub use output::{Output, check_stems};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
+pub use plan::explain;
 pub use progress::Progress;
 pub use redraw::{redraw_optimal_ratio, redraw_stability};
 pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};

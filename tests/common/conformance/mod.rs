@@ -139,6 +139,8 @@ pub fn as_mesh(pencil: &Pencil) -> Pencil {
 /// Where [`as_mesh`] has put unknown i of n: an order that is no neighbourhood, by steps of a number that has no divisor in
 /// common with n.
 pub fn place(i: usize, n: usize) -> usize {
-    let step = (n / 3 + 1..).find(|step| (2..=*step).all(|d| step % d != 0 || n % d != 0)).unwrap();
+    let step = (n / 3 + 1..)
+        .find(|step| (2..=*step).all(|d| !step.is_multiple_of(d) || !n.is_multiple_of(d)))
+        .unwrap();
     (i * step + 1) % n
 }
