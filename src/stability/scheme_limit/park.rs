@@ -84,8 +84,14 @@ impl Tilt {
 
 impl SchemeLimit<'_> {
     pub(super) fn enclose_park(&self, penalties: &[Penalty]) -> Result<Enclosure, Uncertified> {
-        let alpha = self.park_alpha(penalties);
         let free = self.contact_free;
+        // The theorem needs one factor m/s for all contacts; each is formed with at most 4 roundings.
+        let factors = || penalties.iter().map(|p| p.mass / p.stiffness);
+        let (least, most) = (factors().fold(f64::INFINITY, f64::min), factors().fold(0.0, f64::max));
+        if most > least * (1.0 + 8.0 * UNIT_ROUNDOFF) {
+            return Err(Uncertified { value: free.value, width: f64::INFINITY });
+        }
+        let alpha = self.park_alpha(penalties);
         // Two signs with the error of W on the right side prove the value; the interval widens until they do.
         let mut spread = 4.0 * f64::EPSILON;
         while spread < WIDEST_ENCLOSURE {
