@@ -31,33 +31,29 @@ pub struct Curve {
 /// Every point starts afresh or from its left neighbour within the same piece, and the pieces do not depend on the
 /// number of threads: so the numbers do not either. `done` is told of every finished piece.
 pub fn map(model: &Model, grid: &Grid, limit: &dyn StepLimit, done: &(dyn Fn(usize) + Sync)) -> Vec<Curve> {
-    let pieces: Vec<(Ratio, &[StiffnessPenalty])> = grid
-        .ratios
-        .iter()
-        .flat_map(|ratio| grid.stiffness_penalties.chunks(PIECE).map(|piece| (*ratio, piece)))
-        .collect();
-    let computed: Vec<Vec<Point>> = pieces
-        .into_par_iter()
-        .map(|(ratio, piece)| {
-            let points = curve_piece(model, limit, ratio, piece);
+    // In place, since a map of millions of points is bound by the memory it touches.
+    let unknown = Err(Uncertified { value: f64::NAN, width: f64::INFINITY });
+    let blank = |beta_s: &StiffnessPenalty| Point { stiffness_penalty: *beta_s, step: unknown, engine: "" };
+    let curve = |ratio: &Ratio| {
+        let mut points: Vec<Point> = grid.stiffness_penalties.iter().map(blank).collect();
+        points.par_chunks_mut(PIECE).for_each(|piece| {
+            fill(model, limit, *ratio, piece);
             done(piece.len());
-            points
-        })
-        .collect();
-    let per_curve = grid.stiffness_penalties.len().div_ceil(PIECE);
-    let curves = grid.ratios.iter().zip(computed.chunks(per_curve));
-    curves.map(|(ratio, pieces)| Curve { ratio: *ratio, points: pieces.concat() }).collect()
+        });
+        Curve { ratio: *ratio, points }
+    };
+    grid.ratios.par_iter().map(curve).collect()
 }
 
 /// Points in a piece: enough to spread the cost of a task, few enough to share a single curve between cores.
 const PIECE: usize = 64;
 
-fn curve_piece(model: &Model, limit: &dyn StepLimit, ratio: Ratio, piece: &[StiffnessPenalty]) -> Vec<Point> {
+fn fill(model: &Model, limit: &dyn StepLimit, ratio: Ratio, piece: &mut [Point]) {
     let mut start = None;
-    let solve = |beta_s: &StiffnessPenalty| {
-        let (found, engine) = limit.enclose_by(&model.penalty(*beta_s, ratio), start);
+    for point in piece {
+        let (found, engine) = limit.enclose_by(&model.penalty(point.stiffness_penalty, ratio), start);
         start = found.as_ref().ok().map(|step| step.l.value);
-        Point { stiffness_penalty: *beta_s, step: found.map(|step| model.critical_step(step.l)), engine }
-    };
-    piece.iter().map(solve).collect()
+        point.step = found.map(|step| model.critical_step(step.l));
+        point.engine = engine;
+    }
 }
