@@ -217,7 +217,7 @@ fn engines(table: &mut Table) -> Result<()> {
 
 #[cfg(feature = "lapack")]
 mod lapack {
-    use bipenalty::spectrum::lapack::{Band, dsbgvx_largest, dsygvx_largest, gap_matrices};
+    use bipenalty::spectrum::lapack::{BandMatrix, dsbgvx_largest, dsygvx_largest, gap_matrices};
 
     use super::*;
 
@@ -225,7 +225,7 @@ mod lapack {
     pub fn routines(table: &mut Table, model: &Model) -> Result<()> {
         let penalty = model.penalty(StiffnessPenalty::new(10.0)?, Ratio::new(2.0)?);
         let (k, m) = gap_matrices(&model.pencil(), &penalty);
-        let (band_k, band_m) = (Band::of(&k), Band::of(&m));
+        let (band_k, band_m) = (BandMatrix::of(&k), BandMatrix::of(&m));
         let problem = "100 elements, consistent";
         let full = median(|| repeat(20, || dsygvx_largest(k.clone(), m.clone()))) / 20.0;
         table.add("LAPACK dsygvx, largest only", problem, full);

@@ -7,7 +7,7 @@ use crate::pencil::{Bounds, Gap, Matrix, Pencil};
 use crate::sparse::Csr;
 
 /// A linear element: the unknowns that it joins, and its matrices.
-pub trait Element {
+pub trait FiniteElement {
     /// The unknowns, p of them.
     fn unknowns(&self) -> Vec<u32>;
 
@@ -23,7 +23,7 @@ pub trait Element {
 /// unknown that no element reaches; what [`Pencil::new`] refuses of gaps and reference.
 pub fn assemble_elements(
     size: usize,
-    elements: &[&dyn Element],
+    elements: &[&dyn FiniteElement],
     gaps: Vec<Gap>,
     reference: Option<f64>,
 ) -> Result<Pencil, Refusal> {

@@ -16,7 +16,7 @@
 
 mod elements;
 
-pub use elements::{Element, assemble_elements};
+pub use elements::{FiniteElement, assemble_elements};
 
 use crate::error::Refusal;
 use crate::pencil::{Bounds, Gap, Matrix, Pencil, Scale, Tridiagonal};

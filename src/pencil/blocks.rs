@@ -1,6 +1,6 @@
 //! A bound of the stiffness of a chain, as far as the mass penalty can outweigh the bars' own mass.
 
-use super::{Rows, Terms, Tridiagonal, last_pivot};
+use super::{BarRows, Terms, Tridiagonal, last_pivot};
 
 /// The bars of a chain by what bounds their stiffness.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +44,7 @@ impl Blocks {
     pub(super) fn new(
         stiffness: &Tridiagonal,
         mass: &Tridiagonal,
-        bars: &[Rows],
+        bars: &[BarRows],
         element_bound: f64,
     ) -> Self {
         let mut blocks = Self { element_bound, long: 0.0, short: Vec::new() };

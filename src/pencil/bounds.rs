@@ -19,7 +19,7 @@ pub struct Bounds {
     pub mass: f64,
 }
 
-/// Rows of the mass beyond its diagonal are tried to be dominated after so many improvements of the weights.
+/// BarRows of the mass beyond its diagonal are tried to be dominated after so many improvements of the weights.
 const IMPROVEMENTS: usize = 60;
 
 impl Bounds {
@@ -30,7 +30,7 @@ impl Bounds {
         Self { stiffness: least_quotient(stiffness, &own, 0.0) * (1.0 + margin(stiffness)), mass: 1.0 }
     }
 
-    /// Checks the bounds with D = diag(M). Rows prove |K| <= b D and |M| <= a D by positive weights; x'Dx <= q x'Mx holds
+    /// Checks the bounds with D = diag(M). BarRows prove |K| <= b D and |M| <= a D by positive weights; x'Dx <= q x'Mx holds
     /// with q = min(B/b, c/a) if M - D/q is positive definite, which is shown by the rows of its comparison matrix or by a
     /// Cholesky factor. A chain is checked sharply: B M - |K| with the off-diagonal entries of M taken as negative, the
     /// worst signs of x, must have positive pivots.

@@ -56,7 +56,7 @@ pub struct Scale {
 
 /// The rows of one bar and the contacts at its ends.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rows {
+pub struct BarRows {
     /// The rows.
     pub nodes: Range<usize>,
     /// The contact at the first of them.
@@ -70,7 +70,7 @@ pub struct Rows {
 pub(super) struct Cuts {
     gaps: Vec<EndGap>,
     scales: Vec<Scale>,
-    bars: Vec<Rows>,
+    bars: Vec<BarRows>,
     compliance: Vec<f64>,
     largest_free_node: f64,
     blocks: Blocks,
@@ -86,7 +86,7 @@ impl Cuts {
     ) -> Option<Self> {
         let n = stiffness.diagonal.len();
         let ends: Vec<EndGap> = gaps.iter().map(|gap| EndGap::of(gap, n)).collect::<Option<_>>()?;
-        let mut bars = vec![Rows { nodes: 0..n, left: None, right: None }];
+        let mut bars = vec![BarRows { nodes: 0..n, left: None, right: None }];
         for (contact, gap) in ends.iter().enumerate() {
             let last = bars.len() - 1;
             match *gap {
@@ -102,7 +102,7 @@ impl Cuts {
                     }
                     bars[last].nodes.end = left + 1;
                     bars[last].right = Some(contact);
-                    bars.push(Rows { nodes: left + 1..n, left: Some(contact), right: None });
+                    bars.push(BarRows { nodes: left + 1..n, left: Some(contact), right: None });
                 }
             }
         }
@@ -167,7 +167,7 @@ impl<'a> ChainPencil<'a> {
     }
 
     /// The bars from left to right.
-    pub fn bars(&self) -> &'a [Rows] {
+    pub fn bars(&self) -> &'a [BarRows] {
         &self.cuts.bars
     }
 

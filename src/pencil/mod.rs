@@ -12,7 +12,7 @@
 //! ```
 //! use bipenalty::pencil::{Bounds, Gap, Matrix, Pencil};
 //! use bipenalty::sparse::{Csr, SparseVector};
-//! // Two masses of 1 kg on a spring of 1 N/m; the second may touch a wall. Rows of |K| sum to 2 N/m.
+//! // Two masses of 1 kg on a spring of 1 N/m; the second may touch a wall. BarRows of |K| sum to 2 N/m.
 //! let k = Csr::from_triplets(2, 2, &[(0, 0, 1.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)]);
 //! let gap = Gap { column: SparseVector(vec![(1, 1.0)]), scale: 1.0, initial: 0.0 };
 //! let bounds = Bounds { stiffness: 2.0, mass: 1.0 };
@@ -31,7 +31,7 @@ mod penalty;
 use std::sync::Arc;
 
 pub use bounds::Bounds;
-pub use chain::{ChainPencil, EndGap, Rows, Scale, contact_bound};
+pub use chain::{BarRows, ChainPencil, EndGap, Scale, contact_bound};
 pub use matrix::{Matrix, Tridiagonal, last_pivot};
 pub use penalty::{Penalty, PenaltyMass, Terms};
 

@@ -10,7 +10,7 @@ use super::kernels::{self, Instructions};
 use crate::error::Refusal;
 use crate::pencil::{Matrix, Pencil, Tridiagonal};
 
-/// Rows of a sparse matrix that one task takes; fixed, so that no result depends on the number of threads.
+/// Forces of a sparse matrix that one task takes; fixed, so that no result depends on the number of threads.
 const ROWS: usize = 4096;
 
 /// Consecutive nodes with the same row of (f - K u):
@@ -46,7 +46,7 @@ impl Stretch {
 
 /// f - K u, each row times a factor of its own.
 #[derive(Debug, Clone)]
-enum Rows {
+enum Forces {
     Stretches(Vec<Stretch>),
     /// Of the stiffness of a pencil; the load is empty for none.
     Sparse {
@@ -56,7 +56,7 @@ enum Rows {
     },
 }
 
-impl Rows {
+impl Forces {
     /// The row of node i alone.
     #[inline]
     fn at(&self, u: &[f64], i: usize) -> f64 {
@@ -82,7 +82,7 @@ impl Rows {
 /// The map u -> scale M^-1 (f - K u), with n nodes. scale = dt gives the velocity increment of a step, "kick", m/s.
 #[derive(Debug, Clone)]
 pub struct Operator {
-    rows: Rows,
+    rows: Forces,
     /// Unless M is diagonal.
     inertia: Option<Inertia>,
     instructions: Instructions,
@@ -98,8 +98,8 @@ impl Operator {
         let inertia = if lumped { None } else { Some(Inertia::new(pencil.mass(), scale)?) };
         let factor = |i: usize| if lumped { scale / pencil.mass().diagonal(i) } else { 1.0 };
         let rows = match pencil.stiffness() {
-            Matrix::Chain(k) => Rows::Stretches(stretches(k, load, factor)),
-            Matrix::Sparse(_) | Matrix::Diagonal(_) => Rows::Sparse {
+            Matrix::Chain(k) => Forces::Stretches(stretches(k, load, factor)),
+            Matrix::Sparse(_) | Matrix::Diagonal(_) => Forces::Sparse {
                 factor: (0..pencil.size()).map(factor).collect(),
                 load: load.to_vec(),
                 pencil: pencil.clone(),
@@ -116,7 +116,7 @@ impl Operator {
     /// rate = scale M^-1 (f - K u).
     pub fn apply(&self, u: &[f64], rate: &mut [f64]) {
         match &self.rows {
-            Rows::Stretches(stretches) => {
+            Forces::Stretches(stretches) => {
                 for stretch in stretches {
                     let Range { start, end } = stretch.nodes;
                     if stretch.is_uniform() {
@@ -127,7 +127,7 @@ impl Operator {
                     }
                 }
             }
-            rows @ Rows::Sparse { .. } => {
+            rows @ Forces::Sparse { .. } => {
                 rate.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, rate)| {
                     rate.iter_mut().enumerate().for_each(|(i, rate)| *rate = rows.at(u, chunk * ROWS + i));
                 });
@@ -147,7 +147,7 @@ impl Operator {
     /// v += rate, next = u + dt v in one pass; M diagonal.
     pub(super) fn kick_drift(&self, dt: f64, u: &[f64], velocity: &mut [f64], next: &mut [f64]) {
         match &self.rows {
-            Rows::Stretches(stretches) => {
+            Forces::Stretches(stretches) => {
                 for stretch in stretches {
                     let Range { start, end } = stretch.nodes;
                     let (velocity, next) = (&mut velocity[start..end], &mut next[start..end]);
@@ -163,7 +163,7 @@ impl Operator {
                     }
                 }
             }
-            rows @ Rows::Sparse { .. } => {
+            rows @ Forces::Sparse { .. } => {
                 let pieces = velocity.par_chunks_mut(ROWS).zip(next.par_chunks_mut(ROWS));
                 pieces.enumerate().for_each(|(chunk, (velocity, next))| {
                     for (i, (v, next)) in velocity.iter_mut().zip(next).enumerate() {

@@ -7,7 +7,7 @@
 //! m = 1. The bars are uncoupled without their contacts, so F couples only contacts of one bar: it is tridiagonal, and
 //! one or two eliminations of the rows of each bar give it, the entries of its diagonal as sums of positive numbers.
 
-use crate::pencil::{ChainPencil, Rows, Tridiagonal, last_pivot};
+use crate::pencil::{BarRows, ChainPencil, Tridiagonal, last_pivot};
 
 /// The gaps of `pencil` under unit contact forces.
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ impl<'a> Flexibility<'a> {
     /// Z'(k K + m M)^-1 Z, contacts x contacts; `None` if a pivot is not positive.
     pub fn of(&self, k: f64, m: f64) -> Option<Tridiagonal> {
         let mut flexibility = Tridiagonal::zeros(self.pencil.gaps().len());
-        for Rows { nodes, left, right } in self.pencil.bars() {
+        for BarRows { nodes, left, right } in self.pencil.bars() {
             if let Some(contact) = right {
                 let (pivot, passed_on) = self.eliminate(nodes.clone(), k, m)?;
                 flexibility.diagonal[*contact] += 1.0 / pivot;

@@ -74,7 +74,7 @@ fn largest(mut k: DMatrix<f64>, m: DMatrix<f64>) -> Option<f64> {
 
 /// The lower half of a symmetric band matrix as LAPACK stores it: entry (i, j), i >= j, at `i - j + j (width + 1)`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Band {
+pub struct BandMatrix {
     /// n.
     size: usize,
     /// Number of diagonals below the main one.
@@ -82,7 +82,7 @@ pub struct Band {
     entries: Vec<f64>,
 }
 
-impl Band {
+impl BandMatrix {
     /// The band of a symmetric matrix, no wider than its outermost entry that is not zero. A single contact has
     /// width 2 in gap coordinates.
     pub fn of(matrix: &DMatrix<f64>) -> Self {
@@ -152,7 +152,7 @@ pub fn dsygvx_largest(mut k: DMatrix<f64>, mut m: DMatrix<f64>) -> Option<f64> {
 /// The largest eigenvalue of K x = l M x by `dsbgvx` (split Cholesky within the band, bisection for one eigenvalue).
 /// `None` if M has no factor, is wider than K, or the routine does not converge.
 #[allow(unsafe_code)]
-pub fn dsbgvx_largest(mut k: Band, mut m: Band) -> Option<f64> {
+pub fn dsbgvx_largest(mut k: BandMatrix, mut m: BandMatrix) -> Option<f64> {
     let size = k.size;
     assert!(size > 0 && m.size == size);
     if m.width > k.width {
@@ -163,7 +163,7 @@ pub fn dsbgvx_largest(mut k: Band, mut m: Band) -> Option<f64> {
     let (mut values, mut vectors, mut reduction) = (vec![f64::NAN; size], [f64::NAN], [f64::NAN]);
     let mut work = vec![0.0; 7 * size];
     let (mut iwork, mut failed) = (vec![0; 5 * size], vec![0; size]);
-    // SAFETY: ab and bb hold n columns of ka + 1 and kb + 1 <= ka + 1 entries, as `Band::of` lays them out; w and ifail
+    // SAFETY: ab and bb hold n columns of ka + 1 and kb + 1 <= ka + 1 entries, as `BandMatrix::of` lays them out; w and ifail
     // hold n, work 7n and iwork 5n entries, all alive through the call; q and z are not referenced (jobz = N).
     unsafe {
         dsbgvx(

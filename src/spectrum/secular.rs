@@ -72,14 +72,14 @@ const LATTICE: usize = 64;
 pub struct Secular<'a> {
     pencil: ChainPencil<'a>,
     chain: Chain<Rows<'a>>,
-    one_contact: Option<Compressed<'a>>,
+    one_contact: Option<CompressedFunction<'a>>,
 }
 
 impl<'a> Secular<'a> {
     /// The engine for `pencil`; finds the last pole, and compresses octaves when they are first asked for.
     pub fn new(pencil: ChainPencil<'a>) -> Self {
         let chain = rows(pencil);
-        let one_contact = (pencil.gaps().len() == 1).then(|| Compressed::new(pencil, chain.clone()));
+        let one_contact = (pencil.gaps().len() == 1).then(|| CompressedFunction::new(pencil, chain.clone()));
         Self { pencil, chain, one_contact }
     }
 
@@ -132,7 +132,7 @@ impl Condensed for Secular<'_> {
 
 /// T(l) of the single contact of a pencil.
 #[derive(Debug)]
-struct Compressed<'a> {
+struct CompressedFunction<'a> {
     chain: Chain<Rows<'a>>,
     /// p, the last pole of T.
     pole: f64,
@@ -141,7 +141,7 @@ struct Compressed<'a> {
     near_pole: Vec<OnceLock<f64>>,
 }
 
-impl<'a> Compressed<'a> {
+impl<'a> CompressedFunction<'a> {
     fn new(pencil: ChainPencil<'_>, chain: Chain<Rows<'a>>) -> Self {
         let octaves = (0..OCTAVES).map(|_| OnceLock::new()).collect();
         let near_pole = (0..=LATTICE).map(|_| OnceLock::new()).collect();
@@ -212,7 +212,7 @@ impl<'a> Compressed<'a> {
     }
 }
 
-impl Compressed<'_> {
+impl CompressedFunction<'_> {
     /// The root below z = [`NEAREST`], on a lattice of 64 values of T that are kept: there T is mostly rounding, and an
     /// elimination a point would cost more than the whole map.
     fn root_at_the_pole(&self, terms: &Terms) -> (f64, f64) {

@@ -8,7 +8,7 @@ use crate::spectrum::{StepLimit, Uncertified};
 
 /// One point of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub struct MapPoint {
     /// beta_s.
     pub stiffness_penalty: StiffnessPenalty,
     /// The critical step, or why it could not be certified.
@@ -23,7 +23,7 @@ pub struct Curve {
     /// r.
     pub ratio: Ratio,
     /// One point a stiffness penalty.
-    pub points: Vec<Point>,
+    pub points: Vec<MapPoint>,
 }
 
 /// Computes the certified map of `model` over `grid` with `limit`, in parallel over pieces of its curves.
@@ -33,9 +33,10 @@ pub struct Curve {
 pub fn map(model: &Model, grid: &Grid, limit: &dyn StepLimit, done: &(dyn Fn(usize) + Sync)) -> Vec<Curve> {
     // In place, since a map of millions of points is bound by the memory it touches.
     let unknown = Err(Uncertified { value: f64::NAN, width: f64::INFINITY });
-    let blank = |beta_s: &StiffnessPenalty| Point { stiffness_penalty: *beta_s, step: unknown, engine: "" };
+    let blank =
+        |beta_s: &StiffnessPenalty| MapPoint { stiffness_penalty: *beta_s, step: unknown, engine: "" };
     let curve = |ratio: &Ratio| {
-        let mut points: Vec<Point> = grid.stiffness_penalties.iter().map(blank).collect();
+        let mut points: Vec<MapPoint> = grid.stiffness_penalties.iter().map(blank).collect();
         points.par_chunks_mut(PIECE).for_each(|piece| {
             fill(model, limit, *ratio, piece);
             done(piece.len());
@@ -48,7 +49,7 @@ pub fn map(model: &Model, grid: &Grid, limit: &dyn StepLimit, done: &(dyn Fn(usi
 /// Points in a piece: enough to spread the cost of a task, few enough to share a single curve between cores.
 const PIECE: usize = 64;
 
-fn fill(model: &Model, limit: &dyn StepLimit, ratio: Ratio, piece: &mut [Point]) {
+fn fill(model: &Model, limit: &dyn StepLimit, ratio: Ratio, piece: &mut [MapPoint]) {
     let mut start = None;
     for point in piece {
         let (found, engine) = limit.enclose_by(&model.penalty(point.stiffness_penalty, ratio), start);

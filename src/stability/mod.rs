@@ -14,7 +14,7 @@ pub use auto::Auto;
 pub use closed_form::ClosedForm;
 pub use contour::{contour, scheme_contour};
 pub use grid::{Axis, Grid};
-pub use map::{Curve, Point, map};
+pub use map::{Curve, MapPoint, map};
 pub use model::{CriticalStep, EngineName, Model};
 pub use optimal_ratio::{
     Expectation, OptimalRatio, check_has_contact, governing_bar, optimal_ratio, optimal_scheme_ratio,

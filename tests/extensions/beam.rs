@@ -1,7 +1,7 @@
 //! Euler-Bernoulli beams: cubic elements of two nodes, deflection and rotation each, consistent mass.
 
 use bipenalty::error::Refusal;
-use bipenalty::fem::{Element, assemble_elements};
+use bipenalty::fem::{FiniteElement, assemble_elements};
 use bipenalty::pencil::{Gap, Pencil};
 use bipenalty::sparse::SparseVector;
 
@@ -11,7 +11,7 @@ struct Beam {
     h: f64,
 }
 
-impl Element for Beam {
+impl FiniteElement for Beam {
     fn unknowns(&self) -> Vec<u32> {
         (self.first..self.first + 4).collect()
     }
@@ -45,7 +45,7 @@ impl Element for Beam {
 pub fn cantilever(elements: u32) -> Result<Pencil, Refusal> {
     let h = 1.0 / f64::from(elements);
     let beams: Vec<Beam> = (0..elements).map(|e| Beam { first: 2 * e, h }).collect();
-    let all: Vec<&dyn Element> = beams.iter().map(|beam| beam as &dyn Element).collect();
+    let all: Vec<&dyn FiniteElement> = beams.iter().map(|beam| beam as &dyn FiniteElement).collect();
     let stop = |node: u32| Gap {
         column: SparseVector(vec![(2 * node, 1.0)]),
         scale: 12.0 / h.powi(3),

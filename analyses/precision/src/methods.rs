@@ -164,7 +164,7 @@ impl Method {
 
     #[cfg(feature = "lapack")]
     fn lapack_call<'a>(self, problem: &'a Eigenproblem, chain: ChainPencil<'a>) -> Call<'a> {
-        use bipenalty::spectrum::lapack::{Band, Lapack, dsbgvx_largest, dsygvx_largest, full};
+        use bipenalty::spectrum::lapack::{BandMatrix, Lapack, dsbgvx_largest, dsygvx_largest, full};
         let no_convergence = || "no convergence".to_owned();
         let (k, m) = summed(chain, &problem.penalty);
         match self {
@@ -174,7 +174,7 @@ impl Method {
                 Box::new(move || dsygvx_largest(k.clone(), m.clone()).ok_or_else(no_convergence))
             }
             _ => {
-                let (k, m) = (Band::tridiagonal(&k), Band::tridiagonal(&m));
+                let (k, m) = (BandMatrix::tridiagonal(&k), BandMatrix::tridiagonal(&m));
                 Box::new(move || dsbgvx_largest(k.clone(), m.clone()).ok_or_else(no_convergence))
             }
         }

@@ -7,7 +7,7 @@ use comfy_table::{CellAlignment, Table};
 use super::Solved;
 use crate::record::{ImpactRow, Number, OptimalRatioRow, StabilityRow};
 use bipenalty::penalty::Ratio;
-use bipenalty::stability::{CriticalStep, Curve, Point};
+use bipenalty::stability::{CriticalStep, Curve, MapPoint};
 
 /// What the summary says of one scene with one mass matrix, over all its maps.
 #[derive(Debug, Clone, PartialEq)]
@@ -249,7 +249,7 @@ pub fn print_table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>)
 pub fn point_answers(solved: &Solved, rows: &[StabilityRow]) -> Vec<String> {
     let points =
         solved.curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve.ratio, point)));
-    let answer = |((ratio, point), row): ((Ratio, &Point), &StabilityRow)| {
+    let answer = |((ratio, point), row): ((Ratio, &MapPoint), &StabilityRow)| {
         let step = point.step.ok()?;
         let pure = if ratio == Ratio::PURE_PENALTY { " (pure penalty)" } else { "" };
         let free = solved.contact_free.ok().map(|l| solved.model.critical_step(l));
