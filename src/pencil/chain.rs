@@ -187,7 +187,8 @@ impl<'a> ChainPencil<'a> {
         self.cuts.blocks.stiffness_bound(terms)
     }
 
-    /// A bound of the contact stiffness relative to M + M_p, rad^2/s^2; see [`contact_bound`].
+    /// A bound of the contact stiffness relative to M + M_p, rad^2/s^2: the smaller of the sum
+    /// over the contacts and of what each has against half of the mass of its bars.
     pub fn contact_bound(&self, terms: &[Terms]) -> f64 {
         contact_bound(self.compliance(), terms)
     }
@@ -223,9 +224,16 @@ impl<'a> ChainPencil<'a> {
 /// ```
 /// because z z' <= mu/(1 + m mu) (M + m z z') and z z' <= 2/d diag(d). A bar is touched by two contacts at most; for
 /// the second, each of them has half of its mass, against which the compliance is 2 mu, and the parts add up to M at most.
-pub fn contact_bound(compliance: &[f64], terms: &[Terms]) -> f64 {
-    let term = |mu: f64, p: &Terms| p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass);
-    let contacts = || compliance.iter().zip(terms);
-    let sum: f64 = contacts().map(|(mu, p)| term(*mu, p)).sum();
-    contacts().map(|(mu, p)| term(2.0 * mu, p)).fold(0.0, f64::max).min(sum)
+fn contact_bound(compliance: &[f64], terms: &[Terms]) -> f64 {
+    let halved = compliance.iter().zip(terms).map(|(mu, p)| contact_stiffness(2.0 * mu, p));
+    halved.fold(0.0, f64::max).min(contact_sum(compliance, terms))
+}
+
+/// The first of the two: the sum over the contacts.
+pub fn contact_sum(compliance: &[f64], terms: &[Terms]) -> f64 {
+    compliance.iter().zip(terms).map(|(mu, p)| contact_stiffness(*mu, p)).sum()
+}
+
+fn contact_stiffness(mu: f64, p: &Terms) -> f64 {
+    p.stiffness * (mu / (1.0 + p.mass * mu)).min(2.0 / p.nodal_mass)
 }

@@ -31,7 +31,7 @@ mod penalty;
 use std::sync::Arc;
 
 pub use bounds::Bounds;
-pub use chain::{BarRows, ChainPencil, EndGap, Scale, contact_bound};
+pub use chain::{BarRows, ChainPencil, EndGap, Scale, contact_sum};
 pub use matrix::{Matrix, Tridiagonal, last_pivot};
 pub use penalty::{Penalty, PenaltyMass, Terms};
 

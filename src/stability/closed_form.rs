@@ -7,7 +7,7 @@
 use super::UniformBar;
 use super::uniform_bar::Compressed;
 use crate::fem::{MassMatrix, assemble_shortened, contact_scales};
-use crate::pencil::{Penalty, Pencil, Scale, Terms, contact_bound};
+use crate::pencil::{Penalty, Pencil, Scale, Terms, contact_sum};
 use crate::scene::{End, Scene};
 use crate::spectrum::{
     Chain, Condensed, Enclosure, Engine, UNIT_ROUNDOFF, Uncertified, bisect, certify, find_sign_change,
@@ -97,7 +97,7 @@ impl ClosedForm {
     /// The relative distance that rounding may shift the root of the computed T(l) = c(l): [`ROUNDOFFS`].
     fn backward_error(&self, terms: &[Terms], l: f64) -> f64 {
         let bars = self.shortened.chain().map_or(self.element_bound, |chain| chain.stiffness_bound(terms));
-        let stiffness = bars + contact_bound(&self.compliance, terms);
+        let stiffness = bars + contact_sum(&self.compliance, terms);
         UNIT_ROUNDOFF * ROUNDOFFS * (1.0 + stiffness / l)
     }
 
@@ -116,7 +116,7 @@ impl ClosedForm {
             s => s / (p.mass + 0.5 * p.nodal_mass),
         };
         let mediant = terms.iter().map(ratio).fold(self.element_bound, f64::max);
-        let high = mediant.min(self.element_bound + contact_bound(&self.compliance, terms));
+        let high = mediant.min(self.element_bound + contact_sum(&self.compliance, terms));
         // The penalty mass may pull the spectrum below the stiffest node it acts on: then look below.
         let mut low = 0.5 * self.lower_bound.min(high);
         while self.excess(terms, low) >= 0.0 && low > f64::MIN_POSITIVE {

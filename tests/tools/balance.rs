@@ -59,7 +59,7 @@ fn the_balance_closes_from_the_file_alone() {
 #[test]
 fn a_run_that_gains_energy_says_so() {
     let scratch = Scratch::new("gain");
-    let striker = concat!(env!("CARGO_MANIFEST_DIR"), "/analyses/scenes/striker-on-rod.toml");
+    let striker = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/striker-on-rod.toml");
     let usual = "--mass lumped --beta-s 10,1e4 --relative-courant 0.95 --stdout csv";
     let words = |rest: &str| format!("{striker} {usual} {rest}");
     let gained = words("--ratio 1 --scheme central-difference");

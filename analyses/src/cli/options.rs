@@ -201,7 +201,10 @@ impl LimitOptions {
         match (self.limit.scheme(), pencil) {
             (Some(scheme), Some(pencil)) => model.limit(&*scheme.with_theta(self.theta())?, pencil),
             (None, Some(pencil)) => Ok(Box::new(Spectrum(model.engine(self.engine, pencil)?))),
-            (_, None) => Ok(Box::new(Spectrum(Box::new(model.closed_form())))),
+            (None, None) if self.engine == EngineName::ClosedForm => {
+                Ok(Box::new(Spectrum(Box::new(model.closed_form()))))
+            }
+            (_, None) => Ok(Box::new(Spectrum(Box::new(model.auto())))),
         }
     }
 }
