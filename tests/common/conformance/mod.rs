@@ -106,6 +106,11 @@ macro_rules! pencil_conformance {
             fn central_differences_step_to_the_limit() {
                 pencils::steps_to_the_limit(&$pencil);
             }
+
+            #[test]
+            fn the_predictor_corrector_keeps_its_bound() {
+                pencils::keeps_the_bound(&$pencil);
+            }
         }
     )*};
 }

@@ -1,8 +1,8 @@
 //! What every pencil must do: its bounds hold, its spectrum is enclosed, and steps find the same limit.
 
 use bipenalty::pencil::{Penalty, Pencil};
-use bipenalty::schemes::{CentralDifference, ContactRule, Scheme, System};
-use bipenalty::spectrum::{Dense, Engine};
+use bipenalty::schemes::{CentralDifference, ContactRule, PredictorCorrector, Scheme, System};
+use bipenalty::spectrum::{Dense, Engine, Evidence};
 
 /// Penalties from none to stiff, of ratios below, at and above the neutral one.
 fn penalties(pencil: &Pencil) -> Vec<Penalty> {
@@ -44,31 +44,41 @@ pub fn check(pencil: &Pencil) {
     }
 }
 
+/// Growth of the kinetic energy in 2000 steps of dt with the contacts held closed.
+fn grown(pencil: &Pencil, scheme: &dyn Scheme, penalty: Penalty, dt: f64) -> f64 {
+    let (n, critical_step) = (pencil.size(), 2.0 / l_max(pencil, &Penalty::NONE).sqrt());
+    let rule = ContactRule::HeldClosed;
+    let system =
+        System { pencil, penalty, load: Vec::new(), time_step: dt, critical_step, rule, account: false };
+    let velocity: Vec<f64> = (0..n).map(|i| ((i * i + 1) as f64).sin()).collect();
+    let mut motion = scheme.start(system, vec![0.0; n], velocity.clone()).unwrap();
+    (0..2000).for_each(|_| motion.step());
+    let energy = |v: &[f64]| pencil.mass().quadratic(v, v);
+    energy(&motion.state().velocity) / energy(&velocity)
+}
+
 /// Held closed, central differences grow just above 2/omega_max, and not just below.
 pub fn steps_to_the_limit(pencil: &Pencil) {
-    let n = pencil.size();
     for penalty in penalties(pencil) {
         let limit = 2.0 / l_max(pencil, &penalty).sqrt();
-        let grown = |relative: f64| {
-            let system = System {
-                pencil,
-                penalty,
-                load: Vec::new(),
-                time_step: relative * limit,
-                critical_step: limit,
-                rule: ContactRule::HeldClosed,
-                account: false,
-            };
-            let velocity: Vec<f64> = (0..n).map(|i| ((i * i + 1) as f64).sin()).collect();
-            let mut motion = CentralDifference.start(system, vec![0.0; n], velocity.clone()).unwrap();
-            let start = pencil.mass().quadratic(&velocity, &velocity);
-            (0..2000).for_each(|_| motion.step());
-            let v = &motion.state().velocity;
-            pencil.mass().quadratic(v, v) / start
-        };
+        let (below, above) =
+            [0.999, 1.001].map(|c| grown(pencil, &CentralDifference, penalty, c * limit)).into();
         // Below by 1e-3 amplitudes reach 1/sqrt(8e-3); above, 2000 steps grow by e^178.
-        assert!(grown(0.999) < 1e6, "{penalty:?} grows below its limit");
-        let above = grown(1.001);
+        assert!(below < 1e6, "{penalty:?} grows below its limit");
         assert!(above.is_nan() || above >= 1e12, "{penalty:?} does not grow above its limit");
+    }
+}
+
+/// What is proven for any mesh: the predictor-corrector does not grow up to the bound of its limit.
+pub fn keeps_the_bound(pencil: &Pencil) {
+    let limit = PredictorCorrector.limit(pencil, Box::new(Dense::new(pencil).unwrap())).unwrap();
+    for penalty in penalties(pencil) {
+        let step = limit.enclose(&penalty, None).unwrap();
+        assert_eq!((step.evidence, step.upper()), (Evidence::LowerBound, f64::INFINITY));
+        let growth = grown(pencil, &PredictorCorrector, penalty, 0.999 * step.lower());
+        assert!(growth < 1e6, "{penalty:?}: grows by {growth:e} below {}", step.lower());
+        // No more than a few times too small: it is the limit where contacts are alike.
+        let growth = grown(pencil, &PredictorCorrector, penalty, 3.0 * step.lower());
+        assert!(growth.is_nan() || growth >= 1e12, "{penalty:?}: three times the bound is stable");
     }
 }
