@@ -230,7 +230,7 @@ impl Scene {
             bar.elements = (bar.elements as f64 * factor).round().max(1.0) as usize;
         }
         scene.bars[0].elements = elements;
-        scene.check(&|key| format!("--elements {elements}, scene {}, {key}", self.name))?;
+        scene.check(&|key| format!("elements {elements}, scene {}, {key}", self.name))?;
         Ok(scene)
     }
 

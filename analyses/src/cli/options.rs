@@ -330,6 +330,7 @@ pub(super) fn by_option(error: Error) -> Error {
         "engine" => "--engine",
         "tolerance" => "--tolerance",
         "relative Courant number" => "--relative-courant",
+        other if other.starts_with("elements ") => &format!("--{other}"),
         other => other,
     };
     let allowed = refusal
