@@ -1,7 +1,5 @@
 //! Elements of any kind: what a mesh is assembled from when it is no row of bars.
 
-use faer::{Mat, Side};
-
 use crate::error::Refusal;
 use crate::pencil::{Bounds, Gap, Matrix, Pencil};
 use crate::sparse::Csr;
@@ -31,7 +29,7 @@ pub fn assemble_elements(
     let mut bounds = Bounds { stiffness: f64::MIN_POSITIVE, mass: 1.0 };
     for (e, element) in elements.iter().enumerate() {
         let (unknowns, (k, m)) = (element.unknowns(), element.matrices());
-        let own = bounds_of(&k, &m, unknowns.len()).ok_or_else(|| {
+        let own = Bounds::of_element(&k, &m, unknowns.len()).ok_or_else(|| {
             let allowed =
                 "symmetric finite matrices of the size of the unknowns, and a positive definite mass";
             Refusal::new(format!("element {e}"), "its matrices", allowed)
@@ -39,8 +37,7 @@ pub fn assemble_elements(
         if let Some(outside) = unknowns.iter().find(|i| **i as usize >= size) {
             return Err(Refusal::new(format!("element {e}"), outside, format!("unknowns below {size}")));
         }
-        bounds.stiffness = bounds.stiffness.max(own.stiffness);
-        bounds.mass = bounds.mass.max(own.mass);
+        bounds = bounds.or(own);
         for (entries, matrix) in [(&k, &mut stiffness), (&m, &mut mass)] {
             let places = unknowns.iter().flat_map(|i| unknowns.iter().map(move |j| (*i, *j)));
             let nonzero = places.zip(entries).filter(|((i, j), a)| i == j || **a != 0.0);
@@ -52,38 +49,4 @@ pub fn assemble_elements(
     let m =
         if lumped { Matrix::Diagonal((0..size).map(|i| m.get(i, i)).collect()) } else { Matrix::Sparse(m) };
     Pencil::of_checked_elements(Matrix::Sparse(k), m, gaps, bounds, reference.unwrap_or(bounds.stiffness))
-}
-
-/// The bounds of one element by D = diag(M): l_max(|K|, D) and l_max(|M|, D) over l_min(M, D).
-fn bounds_of(k: &[f64], m: &[f64], size: usize) -> Option<Bounds> {
-    let symmetric = |a: &[f64]| (0..size).all(|i| (0..i).all(|j| a[i * size + j] == a[j * size + i]));
-    let finite = k.iter().chain(m).all(|a| a.is_finite());
-    if size == 0
-        || k.len() != size * size
-        || m.len() != size * size
-        || !finite
-        || !symmetric(k)
-        || !symmetric(m)
-    {
-        return None;
-    }
-    let own = |i: usize| m[i * size + i];
-    if (0..size).any(|i| own(i) <= 0.0) {
-        return None;
-    }
-    let eigenvalues = |entry: &dyn Fn(usize) -> f64| {
-        let scaled = |i: usize, j: usize| entry(i * size + j) / (own(i).sqrt() * own(j).sqrt());
-        Mat::from_fn(size, size, scaled).self_adjoint_eigenvalues(Side::Lower).ok()
-    };
-    let largest = |values: Vec<f64>| values.last().copied();
-    let stiffness = largest(eigenvalues(&|i| k[i].abs())?)?;
-    let mass = largest(eigenvalues(&|i| m[i].abs())?)?;
-    let least = *eigenvalues(&|i| m[i])?.first()?;
-    // A dense eigenvalue of p rows errs by some p^2 roundings of the largest.
-    let rounding = (4 * size * size + 16) as f64 * f64::EPSILON;
-    let least = least - rounding * mass;
-    (least > 0.0).then(|| Bounds {
-        stiffness: stiffness * (1.0 + rounding) / least,
-        mass: (mass * (1.0 + rounding) / least).max(1.0),
-    })
 }

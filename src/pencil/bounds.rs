@@ -1,7 +1,7 @@
 //! How large the entries of K and M are relative to M: what every backward error is multiplied by.
 
-use faer::Side;
 use faer::sparse::{SparseColMat, Triplet};
+use faer::{Mat, Side};
 
 use super::Matrix;
 use crate::error::Refusal;
@@ -28,6 +28,46 @@ impl Bounds {
     pub fn of_lumped(stiffness: &Matrix, mass: &[f64]) -> Self {
         let own = |i: usize| mass[i];
         Self { stiffness: least_quotient(stiffness, &own, 0.0) * (1.0 + margin(stiffness)), mass: 1.0 }
+    }
+
+    /// The bounds of one element of p unknowns, matrices row by row, by D = diag(M): l_max(|K|, D) and l_max(|M|, D) over
+    /// l_min(M, D). `None` for matrices of another size, not symmetric or finite, and a mass that is not positive definite.
+    pub fn of_element(k: &[f64], m: &[f64], size: usize) -> Option<Self> {
+        let symmetric = |a: &[f64]| (0..size).all(|i| (0..i).all(|j| a[i * size + j] == a[j * size + i]));
+        let finite = k.iter().chain(m).all(|a| a.is_finite());
+        if size == 0
+            || k.len() != size * size
+            || m.len() != size * size
+            || !finite
+            || !symmetric(k)
+            || !symmetric(m)
+        {
+            return None;
+        }
+        let own = |i: usize| m[i * size + i];
+        if (0..size).any(|i| own(i) <= 0.0) {
+            return None;
+        }
+        let eigenvalues = |entry: &dyn Fn(usize) -> f64| {
+            let scaled = |i: usize, j: usize| entry(i * size + j) / (own(i).sqrt() * own(j).sqrt());
+            Mat::from_fn(size, size, scaled).self_adjoint_eigenvalues(Side::Lower).ok()
+        };
+        let largest = |values: Vec<f64>| values.last().copied();
+        let stiffness = largest(eigenvalues(&|i| k[i].abs())?)?;
+        let mass = largest(eigenvalues(&|i| m[i].abs())?)?;
+        let least = *eigenvalues(&|i| m[i])?.first()?;
+        // A dense eigenvalue of p rows errs by some p^2 roundings of the largest.
+        let rounding = (4 * size * size + 16) as f64 * f64::EPSILON;
+        let least = least - rounding * mass;
+        (least > 0.0).then(|| Self {
+            stiffness: stiffness * (1.0 + rounding) / least,
+            mass: (mass * (1.0 + rounding) / least).max(1.0),
+        })
+    }
+
+    /// What obeys either obeys this.
+    pub fn or(self, other: Self) -> Self {
+        Self { stiffness: self.stiffness.max(other.stiffness), mass: self.mass.max(other.mass) }
     }
 
     /// Checks the bounds with D = diag(M). BarRows prove |K| <= b D and |M| <= a D by positive weights; x'Dx <= q x'Mx holds
