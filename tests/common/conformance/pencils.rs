@@ -2,7 +2,7 @@
 
 use bipenalty::pencil::{Penalty, Pencil};
 use bipenalty::schemes::{CentralDifference, ContactRule, PredictorCorrector, Scheme, System};
-use bipenalty::spectrum::{Dense, Engine, Evidence};
+use bipenalty::spectrum::{Dense, Engine, Evidence, engine};
 
 /// Penalties from none to stiff, of ratios below, at and above the neutral one.
 fn penalties(pencil: &Pencil) -> Vec<Penalty> {
@@ -71,7 +71,7 @@ pub fn steps_to_the_limit(pencil: &Pencil) {
 
 /// What is proven for any mesh: the predictor-corrector does not grow up to the bound of its limit.
 pub fn keeps_the_bound(pencil: &Pencil) {
-    let limit = PredictorCorrector.limit(pencil, Box::new(Dense::new(pencil).unwrap())).unwrap();
+    let limit = PredictorCorrector.limit(pencil, engine(pencil).unwrap()).unwrap();
     for penalty in penalties(pencil) {
         let step = limit.enclose(&penalty, None).unwrap();
         assert_eq!((step.evidence, step.upper()), (Evidence::LowerBound, f64::INFINITY));
