@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::trial::{LATE_RISE, Trial, Trials};
+use super::trial::{Trial, Trials};
 use super::{Limit, Search};
 use crate::error::Refusal;
 
@@ -17,6 +17,10 @@ const SCANNED_OCTAVES: i64 = 2;
 
 /// Trials of the scan are shorter by this factor: together they cost a fraction of one trial.
 const SHORTER: u64 = 64;
+
+/// Growth of the continuous motion, a fixed factor in time, doubles with the step, and that of an error dt^2 in it
+/// grows by eight; beyond a limit it rises from zero within the tolerance.
+const ONSET: f64 = 9.0;
 
 /// The search for one limit, which remembers its trials.
 pub(super) struct Lattice<'a> {
@@ -47,9 +51,8 @@ impl<'a> Lattice<'a> {
                 None => break,
             }
         }
-        // Growth that is as strong at a step 9 % smaller does not end at this limit: it is only too slow to be seen.
         let limit = match stable {
-            Some(found) if !self.fades(found)? => None,
+            Some(found) if !self.begins(found)? => None,
             other => other,
         };
         self.answer(limit)
@@ -129,14 +132,11 @@ impl<'a> Lattice<'a> {
         Ok(None)
     }
 
-    /// Whether what growth there is at `stable`, too little to count, ends an eighth of an octave below.
-    fn fades(&mut self, stable: i64) -> Result<bool, Refusal> {
-        // In a shorter trial no late rise counts, so none can be too slow to.
-        if !self.trials.search.is_long() {
-            return Ok(true);
-        }
-        let little = 0.25 * LATE_RISE;
-        Ok(self.at(stable)?.rise <= little || self.at(stable - self.octave / SCANNED)?.rise <= little)
+    /// Whether growth begins above `stable`. It does not where a trial sees only a late rise just above it and twice the
+    /// step grows less than [`ONSET`] times as fast: such growth is one in time, and ends with no step.
+    fn begins(&mut self, stable: i64) -> Result<bool, Refusal> {
+        let (just_above, twice) = (self.at(stable + 1)?, stable + 1 + self.octave);
+        Ok(just_above.rise <= 0.0 || self.at(twice)?.growth >= ONSET * just_above.growth)
     }
 }
 

@@ -37,8 +37,11 @@
 //! below it. A loss narrower than 9 %, or too slow for a trial of 1/64 of the length, is not seen by the scan, and then
 //! the pair may depend on where the search began. Nothing above the pair is looked at.
 //!
-//! Where growth just below the pair is only too slow to count and is still there at a step 9 % smaller, the pair says how
-//! much a trial can see and nothing about stability: no stable step is reported ([`Limit::stable_at`] = 0).
+//! *Growth at every step.* A motion that grows in time, whatever the step, looks stable where the step is so small that a
+//! trial no longer sees it. Where growth just above the pair shows as a late rise only and is not nine times as fast at
+//! twice the step, the pair says how much a trial can see and nothing about stability: no stable step is reported
+//! ([`Limit::stable_at`] = 0). This does not catch all of it: the theta = 0 Park scheme with mass factors of their own for
+//! coupled contacts grows at every step, and is still given a limit, of 1e-5, where trials end within a swing of an element.
 //!
 //! # What is used
 //! K and M, in the size, and the contact terms, through the stepper. No eigenvalue and no amplification matrix enters a
