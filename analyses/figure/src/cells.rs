@@ -108,7 +108,7 @@ impl Samples {
 
 /// A PNG with the colour of each pixel (column, row).
 fn picture(width: u32, height: u32, colour_of: impl Fn(u32, u32) -> Colour) -> Result<Vec<u8>, PlotError> {
-    let mut image = Pixmap::new(width, height).ok_or_else(|| PlotError::Png("map too large".to_owned()))?;
+    let mut image = Pixmap::new(width, height).ok_or(PlotError::Pixels)?;
     for (index, pixel) in (0_u32..).zip(image.pixels_mut()) {
         let (r, g, b) = colour_of(index % width, index / width);
         // Opaque, so premultiplied already: the constructor cannot refuse.
@@ -116,7 +116,7 @@ fn picture(width: u32, height: u32, colour_of: impl Fn(u32, u32) -> Colour) -> R
             *pixel = opaque;
         }
     }
-    encode(&image)
+    encode(&image, None)
 }
 
 #[cfg(test)]

@@ -100,7 +100,10 @@ pub enum PlotError {
     Svg(#[from] resvg::usvg::Error),
     /// The PNG could not be written.
     #[error("the PNG cannot be encoded: {0}")]
-    Png(String),
+    Png(#[from] png::EncodingError),
+    /// A picture would have no pixels, or more than memory holds.
+    #[error("the picture has no pixels, or too many")]
+    Pixels,
     /// The PDF could not be written.
     #[error("the PDF cannot be written: {0}")]
     Pdf(String),

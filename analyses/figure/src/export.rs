@@ -33,13 +33,11 @@ impl Figure {
         // At most a few thousand pixels: the casts only drop the fraction.
         let pixels_of = |length: f32| (length * scale).round() as u32;
         let (width, height) = (pixels_of(tree.size().width()), pixels_of(tree.size().height()));
-        let mut pixels =
-            Pixmap::new(width, height).ok_or_else(|| PlotError::Png("no pixels, or too many".to_owned()))?;
+        let mut pixels = Pixmap::new(width, height).ok_or(PlotError::Pixels)?;
         // The last row and column may be covered in part only.
         pixels.fill(Color::WHITE);
         resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
-        let png = encode(&pixels)?;
-        Ok(with_resolution(&png))
+        encode(&pixels, Some(PNG_DPI))
     }
 
     /// The same drawing as PDF of the printed size, with selectable text and the fonts embedded.
@@ -59,9 +57,23 @@ impl Figure {
     }
 }
 
-/// Pixels as PNG.
-pub(super) fn encode(pixels: &Pixmap) -> Result<Vec<u8>, PlotError> {
-    pixels.encode_png().map_err(|error| PlotError::Png(error.to_string()))
+/// Opaque pixels as PNG, with the resolution at which they have their printed size.
+pub(super) fn encode(pixels: &Pixmap, dpi: Option<f64>) -> Result<Vec<u8>, PlotError> {
+    /// Inches in a metre.
+    const METRE: f64 = 1000.0 / 25.4;
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, pixels.width(), pixels.height());
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_pixel_dims(dpi.map(|dpi| {
+        let per_metre = (dpi * METRE).round() as u32;
+        png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }
+    }));
+    let mut writer = encoder.write_header()?;
+    // Opaque, so that premultiplied colours are the colours.
+    writer.write_image_data(pixels.data())?;
+    writer.finish()?;
+    Ok(bytes)
 }
 
 /// Sorts the lists of images, which svg2pdf writes in the order of a hash table: equal figures shall
@@ -88,35 +100,4 @@ fn order_images(pdf: &mut [u8]) {
         pdf[start..end].copy_from_slice(&lines.concat());
         from = end;
     }
-}
-
-/// The same PNG with a `pHYs` chunk, so that it is placed at its printed size.
-fn with_resolution(png: &[u8]) -> Vec<u8> {
-    /// End of the signature and the header chunk, which every PNG starts with.
-    const HEADER: usize = 33;
-    const METRE: f64 = 1000.0 / 25.4;
-    let per_metre = (PNG_DPI * METRE).round() as u32;
-    let mut chunk = b"pHYs".to_vec();
-    chunk.extend(per_metre.to_be_bytes());
-    chunk.extend(per_metre.to_be_bytes());
-    chunk.push(1); // the unit is the metre
-    let (head, tail) = png.split_at(HEADER.min(png.len()));
-    let mut result = head.to_vec();
-    result.extend(9_u32.to_be_bytes()); // bytes after the chunk's name
-    result.extend(&chunk);
-    result.extend(crc32(&chunk).to_be_bytes());
-    result.extend(tail);
-    result
-}
-
-/// Check sum of a PNG chunk (ISO 3309, reflected polynomial).
-fn crc32(bytes: &[u8]) -> u32 {
-    let fold = |mut sum: u32, byte: &u8| {
-        sum ^= u32::from(*byte);
-        for _ in 0..8 {
-            sum = (sum >> 1) ^ (0xEDB8_8320 & (sum & 1).wrapping_neg());
-        }
-        sum
-    };
-    !bytes.iter().fold(u32::MAX, fold)
 }
