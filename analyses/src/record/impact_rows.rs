@@ -7,7 +7,7 @@ use bipenalty::impact::{Ending, Exact, History, Mesh, Run, StressField, Summary}
 
 /// One step of a run at one contact. The energies are those of all bars and all contacts; in every row
 /// kinetic + strain + penalty energy + loss - body work is what it is in the first, to rounding (the definitions are
-/// those of [`crate::schemes::Energy`]).
+/// those of [`bipenalty::schemes::Energy`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HistoryRow {
     /// s.
