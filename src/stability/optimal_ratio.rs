@@ -103,7 +103,8 @@ pub fn optimal_scheme_ratio(
     let may_cost = |r: f64| !with(r, &|r| limit.costs_nothing(&model.penalty(beta_s, r)));
     let at_one = limit.enclose(&model.penalty(beta_s, Ratio::OPTIMAL), None)?;
     if at_one.evidence == Evidence::LowerBound && may_cost(LARGEST_RATIO) {
-        let lower = if may_cost(SMALLEST_RATIO) { 0.0 } else { bisect(SMALLEST_RATIO, LARGEST_RATIO, may_cost).0 };
+        let lower =
+            if may_cost(SMALLEST_RATIO) { 0.0 } else { bisect(SMALLEST_RATIO, LARGEST_RATIO, may_cost).0 };
         let upper = f64::INFINITY;
         return Ok(Some(OptimalRatio { stiffness_penalty: beta_s, value: lower, lower, upper }));
     }
