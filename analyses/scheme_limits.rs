@@ -81,7 +81,7 @@ fn run(options: &Options) -> Result<Verdict> {
         summarise(&printed, &ratios);
         output.report(files);
     }
-    let certified = printed.iter().all(|row| row.critical_courant.is_some());
+    let certified = printed.iter().all(|row| row.stable_courant().is_some());
     let holds = certified && ratios.iter().all(|row| row.holds);
     Ok(if holds { Verdict::Holds } else { Verdict::Fails })
 }
@@ -227,21 +227,24 @@ fn summarise(rows: &[StabilityRow], ratios: &[OptimalRatioRow]) {
     let smallest = |values: &mut dyn Iterator<Item = f64>| values.reduce(f64::min);
     let line = |kind: &(String, String, &'static str)| {
         let of_kind = || rows.iter().filter(|row| of(row) == *kind);
-        let courant = |row: &StabilityRow| row.critical_courant.map(|c| c.0);
+        let courant = StabilityRow::stable_courant;
+        let bound = if of_kind().any(StabilityRow::is_lower_bound) { "at least " } else { "" };
         let free = of_kind().find(|row| row.stiffness_penalty.0 == 0.0).and_then(courant);
         let optimal = smallest(
             &mut of_kind()
                 .filter(|row| row.ratio.0 == 1.0 && row.stiffness_penalty.0 <= 10.0)
                 .filter_map(courant),
         );
-        let kept = free.zip(optimal).map(|(free, optimal)| format!("{:.4}", optimal / free));
+        let kept = free.zip(optimal).map(|(free, optimal)| format!("{bound}{:.4}", optimal / free));
         let (scene, mass, limit) = kind.clone();
         let mine = |row: &&OptimalRatioRow| (&row.scene, &row.mass, row.limit) == (&scene, &mass, limit);
-        let ratio = smallest(&mut ratios.iter().filter(mine).filter_map(|row| Some(row.optimal_ratio?.0)));
+        let ratio = smallest(
+            &mut ratios.iter().filter(mine).filter_map(|row| Some(row.optimal_ratio.or(row.lower)?.0)),
+        );
         let ratio = match ratio {
             None => "-".to_owned(),
             Some(0.0) => "none".to_owned(),
-            Some(ratio) => format!("{ratio:.6}"),
+            Some(ratio) => format!("{bound}{ratio:.6}"),
         };
         vec![scene, mass, limit.to_owned(), kept.unwrap_or("-".to_owned()), ratio]
     };

@@ -17,7 +17,7 @@ use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::{Matrix, Penalty, Pencil};
 use bipenalty::scene::{Bar, End, Scene};
 use bipenalty::schemes::{ClosedLimit, SchemeName};
-use bipenalty::spectrum::{Enclosure, Engine as _, StepLimit};
+use bipenalty::spectrum::{Enclosure, Engine as _, Evidence, StepLimit};
 use bipenalty::stability::Model;
 use common::numbers::Numbers;
 use faer::Mat;
@@ -26,10 +26,23 @@ use faer::linalg::solvers::Solve;
 const TOLERANCE: f64 = 1e-7;
 const RIGID: f64 = 1e-4;
 
-fn dense(matrix: &Matrix) -> Mat<f64> {
-    let mut full = Mat::zeros(matrix.size(), matrix.size());
-    (0..matrix.size()).for_each(|i| matrix.row(i).for_each(|(j, a)| full[(i, j)] = a));
-    full
+fn full(matrix: &Matrix) -> Mat<f64> {
+    let mut entries = Mat::zeros(matrix.size(), matrix.size());
+    (0..matrix.size()).for_each(|i| matrix.row(i).for_each(|(j, a)| entries[(i, j)] = a));
+    entries
+}
+
+/// Adds Z s Z' and Z m Z'.
+fn add_contacts(pencil: &Pencil, penalty: &Penalty, stiffness: &mut Mat<f64>, mass: &mut Mat<f64>) {
+    for gap in pencil.gaps() {
+        let (s, m) = penalty.of(gap.scale);
+        for (i, a) in &gap.column.0 {
+            for (j, b) in &gap.column.0 {
+                stiffness[(*i as usize, *j as usize)] += s * a * b;
+                mass[(*i as usize, *j as usize)] += m * a * b;
+            }
+        }
+    }
 }
 
 /// K, M and the columns of Z with the contact terms: what the schemes apply to a vector, as dense matrices.
@@ -43,17 +56,9 @@ struct Dense {
 impl Dense {
     fn new(pencil: &Pencil, penalty: &Penalty) -> Self {
         let n = pencil.size();
-        let (k, m) = (dense(pencil.stiffness()), dense(pencil.mass()));
+        let (k, m) = (full(pencil.stiffness()), full(pencil.mass()));
         let (mut kp, mut mp) = (Mat::<f64>::zeros(n, n), m.clone());
-        for gap in pencil.gaps() {
-            let (stiffness, mass) = penalty.of(gap.scale);
-            for (i, a) in &gap.column.0 {
-                for (j, b) in &gap.column.0 {
-                    kp[(*i as usize, *j as usize)] += stiffness * a * b;
-                    mp[(*i as usize, *j as usize)] += mass * a * b;
-                }
-            }
-        }
+        add_contacts(pencil, penalty, &mut kp, &mut mp);
         Self { free: m.partial_piv_lu().solve(&k), contact: mp.partial_piv_lu().solve(&kp) }
     }
 
@@ -351,15 +356,31 @@ fn what_the_limits_are_not_derived_for_is_refused() {
     assert!(text.contains("diagonalised"), "{text}");
     let text = refusal(pair(), consistent, SchemeName::Park, 1.5);
     assert!(text.contains("theta: 1.5"), "{text}");
-    let single = Scene::new("single", End::Fixed, vec![bar(1)], End::Wall, None).unwrap();
-    let text = refusal(single, consistent, SchemeName::PredictorCorrector, 0.5);
-    assert!(text.contains("single nodes"), "{text}");
-    let between = Scene::new("between", End::Wall, vec![bar(1)], End::Wall, None).unwrap();
-    let text = refusal(between, consistent, SchemeName::PredictorCorrector, 0.5);
-    assert!(text.contains("every node"), "{text}");
-    let unlike = Scene::new("unlike", End::Free, vec![bar(2), bar(3)], End::Wall, None).unwrap();
-    let text = refusal(unlike, consistent, SchemeName::PredictorCorrector, 0.5);
-    assert!(text.contains("unlike contacts"), "{text}");
+    let text = refusal(pair(), PenaltyMass::Diagonalised, SchemeName::PredictorCorrector, 0.5);
+    assert!(text.contains("diagonalised"), "{text}");
+}
+
+/// What has a lower bound has no plastic ratio: that is a limit at which the scheme is run.
+#[test]
+fn where_the_limit_is_not_known_there_is_a_lower_bound_and_no_plastic_ratio() {
+    let scene = |bars: &[usize], ends: (End, End)| {
+        Scene::new("several", ends.0, bars.iter().map(|n| bar(*n)).collect(), ends.1, None).unwrap()
+    };
+    for (scene, what) in [
+        (scene(&[1], (End::Fixed, End::Wall)), "single nodes"),
+        (scene(&[1], (End::Wall, End::Wall)), "every node"),
+        (scene(&[2, 3], (End::Free, End::Wall)), "unlike contacts"),
+    ] {
+        let model = Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent);
+        let pencil = model.pencil();
+        let limit = limit_of(&model, &pencil, SchemeName::PredictorCorrector, 0.5);
+        let step = limit.enclose(&penalties(&model, 10.0, 1.0), None).unwrap();
+        assert_eq!((step.evidence, step.upper()), (Evidence::LowerBound, f64::INFINITY), "{what}");
+        let free = limit.enclose(&Penalty::NONE, None).unwrap();
+        assert_eq!(free.evidence, Evidence::Proven, "{what}: contact-free");
+        let text = ClosedLimit::new(&pencil, Box::new(model.auto())).map(|_| ()).unwrap_err().to_string();
+        assert!(text.contains(what), "{text}");
+    }
 }
 
 #[test]

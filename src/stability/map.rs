@@ -54,7 +54,7 @@ fn fill(model: &Model, limit: &dyn StepLimit, ratio: Ratio, piece: &mut [MapPoin
     for point in piece {
         let (found, engine) = limit.enclose_by(&model.penalty(point.stiffness_penalty, ratio), start);
         start = found.as_ref().ok().map(|step| step.l.value);
-        point.step = found.map(|step| model.critical_step(step.l));
+        point.step = found.map(|step| model.critical_step_of(step));
         point.engine = engine;
     }
 }

@@ -10,7 +10,7 @@ use crate::penalty::{self, PenaltyMass, Ratio, StiffnessPenalty};
 use crate::pencil::{Penalty, Pencil, Scale};
 use crate::scene::Scene;
 use crate::schemes::{Onset, Scheme};
-use crate::spectrum::{Dense, Enclosure, Engine, MAX_DENSE_NODES, Secular, StepLimit, Sturm};
+use crate::spectrum::{Dense, Enclosure, Engine, Evidence, MAX_DENSE_NODES, Secular, Step, StepLimit, Sturm};
 
 /// The engines by the names that users type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -83,12 +83,21 @@ impl FromStr for EngineName {
 pub struct CriticalStep {
     /// omega_max, rad/s.
     pub omega_max: f64,
-    /// C_r = c0 dt_cr/h of the reference element.
+    /// C_r = c0 dt_cr/h of the reference element; `lower` where only a lower bound of it is known.
     pub critical_courant: f64,
     /// Proven lower bound of C_r.
     pub lower: f64,
-    /// Proven upper bound of C_r.
+    /// Proven upper bound of C_r; infinite where only a lower bound is known.
     pub upper: f64,
+    /// What stands behind it.
+    pub evidence: Evidence,
+}
+
+impl CriticalStep {
+    /// Whether C_r may lie anywhere above `lower`.
+    pub fn is_lower_bound(&self) -> bool {
+        self.evidence == Evidence::LowerBound
+    }
 }
 
 /// A scene with a mass matrix and a form of the mass penalty.
@@ -275,6 +284,18 @@ impl Model {
             critical_courant: self.critical_courant(l.value),
             lower: self.critical_courant(l.upper) * (1.0 - margin),
             upper: self.critical_courant(l.lower) * (1.0 + margin),
+            evidence: Evidence::Proven,
+        }
+    }
+
+    /// The critical step of a limit with its evidence.
+    pub fn critical_step_of(&self, step: Step) -> CriticalStep {
+        let found = CriticalStep { evidence: step.evidence, ..self.critical_step(step.l) };
+        match step.evidence {
+            Evidence::LowerBound => {
+                CriticalStep { critical_courant: found.lower, upper: f64::INFINITY, ..found }
+            }
+            Evidence::Proven | Evidence::Probability(_) => found,
         }
     }
 }

@@ -9,18 +9,19 @@ use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::pencil::Penalty;
 use crate::scene::{Bar, End};
-use crate::spectrum::{Enclosure, StepLimit, Uncertified, bisect};
+use crate::spectrum::{Enclosure, Evidence, StepLimit, Uncertified, bisect};
 
 /// The optimal ratio at one beta_s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OptimalRatio {
     /// beta_s.
     pub stiffness_penalty: StiffnessPenalty,
-    /// The largest ratio without cost, as found.
+    /// The largest ratio without cost, as found; `lower` where the limit is known from below only.
     pub value: f64,
     /// Proven: this ratio costs nothing (mediant inequality on the certified contact-free l_max).
     pub lower: f64,
-    /// Proven: this ratio costs a step (the enclosures of the two l_max are apart).
+    /// Proven: this ratio costs a step (the enclosures of the two l_max are apart); infinite where the limit is known from
+    /// below only.
     pub upper: f64,
 }
 
@@ -100,7 +101,13 @@ pub fn optimal_scheme_ratio(
     let with = |r: f64, test: &dyn Fn(Ratio) -> bool| Ratio::new(r).is_ok_and(test);
     let costs = |r: f64| with(r, &|r| penalised(r).is_ok_and(|l| l.lower > free.upper));
     let may_cost = |r: f64| !with(r, &|r| limit.costs_nothing(&model.penalty(beta_s, r)));
-    penalised(Ratio::OPTIMAL)?;
+    let at_one = limit.enclose(&model.penalty(beta_s, Ratio::OPTIMAL), None)?;
+    if at_one.evidence == Evidence::LowerBound && may_cost(LARGEST_RATIO) {
+        let lower =
+            if may_cost(SMALLEST_RATIO) { 0.0 } else { bisect(SMALLEST_RATIO, LARGEST_RATIO, may_cost).0 };
+        let upper = f64::INFINITY;
+        return Ok(Some(OptimalRatio { stiffness_penalty: beta_s, value: lower, lower, upper }));
+    }
     if !costs(LARGEST_RATIO) {
         return Ok(None);
     }

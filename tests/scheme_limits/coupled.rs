@@ -1,15 +1,19 @@
-//! Contacts that a bar couples: the Park limit is where the amplification matrix has it.
+//! Contacts that a bar couples: the Park limit and that of the spectrum are where the amplification matrices have them, and
+//! up to the lower bound of the predictor-corrector none grows.
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
+use bipenalty::pencil::{Penalty, Pencil};
 use bipenalty::scene::{Bar, End, Scene};
 use bipenalty::schemes::SchemeName;
+use bipenalty::spectrum::Evidence;
 use bipenalty::stability::Model;
-use faer::Mat;
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Mat, Par, Side};
 use rayon::prelude::*;
 
 use super::common::numbers::Numbers;
-use super::{free_of, growth_of, limit_of, outside, penalties, with_limit};
+use super::{Dense, add_contacts, free_of, full, growth_of, limit_of, outside, penalties, with_limit};
 
 fn row(parts: &[(f64, f64, f64, usize)], ends: (End, End)) -> Scene {
     let bar = |&(youngs_modulus, density, area, elements): &(f64, f64, f64, usize)| Bar {
@@ -64,7 +68,17 @@ fn the_park_limit_holds_for_coupled_contacts() {
     assert!(sum[0] <= 30 && sum[1] < 100, "{sum:?}");
 }
 
-fn check(point: u64) -> [usize; 2] {
+/// One to three contacts, one or two elements between them, contrasts to 1e3: a model and its penalty.
+struct Point {
+    model: Model,
+    theta: f64,
+    beta_s: f64,
+    ratio: f64,
+    penalty: Penalty,
+    numbers: Numbers,
+}
+
+fn point_of(point: u64) -> Point {
     let mut numbers = Numbers(1000 + 7919 * point);
     for _ in 0..5 {
         numbers.next();
@@ -82,7 +96,12 @@ fn check(point: u64) -> [usize; 2] {
     let model = Model::new(scene, MassMatrix::new(gamma).unwrap(), PenaltyMass::Consistent);
     let ratio = numbers.one_of(&[0.1, 0.25, 1.0, 3.0, 30.0, f64::INFINITY]);
     let beta_s = 10f64.powf(numbers.between(0.0, 6.0));
-    let p = penalties(&model, beta_s, ratio);
+    let penalty = penalties(&model, beta_s, ratio);
+    Point { model, theta, beta_s, ratio, penalty, numbers }
+}
+
+fn check(point: u64) -> [usize; 2] {
+    let Point { model, theta, beta_s, ratio, penalty: p, mut numbers } = point_of(point);
     let pencil = model.pencil();
     let engine = limit_of(&model, &pencil, SchemeName::Park, theta);
     if let Err(error) = engine.enclose(&p, None) {
@@ -120,4 +139,82 @@ fn scaled(matrix: &Mat<f64>, model: &Model, relative_step: f64) -> Mat<f64> {
     let dt = relative_step * 2.0 / pencil.bounds().stiffness.sqrt();
     let unit = |i: usize| mass[i % n].sqrt() * dt.powi((i / n) as i32);
     Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] * unit(i) / unit(j))
+}
+
+/// The same scenes by the predictor-corrector, whose bound must not be passed, and by the spectrum, whose limit must not be
+/// missed: central differences are stable below it and grow 0.1 % above it.
+#[test]
+fn the_bound_of_the_predictor_corrector_and_the_spectrum_hold_for_coupled_contacts() {
+    let counts: Vec<[usize; 3]> = (0..3000).into_par_iter().map(|point| look(point as u64)).collect();
+    let sum = counts.iter().fold([0; 3], |sum, c| [0, 1, 2].map(|i| sum[i] + c[i]));
+    println!("{sum:?} of 3000: lower bounds, below the contact-free step, grown between it and 1.5 times it");
+    assert!(sum[0] > 1500 && sum[1] > 1000 && sum[2] > 500, "{sum:?}");
+}
+
+fn look(point: u64) -> [usize; 3] {
+    let Point { model, beta_s, ratio, penalty, mut numbers, .. } = point_of(point);
+    let pencil = model.pencil();
+    let dense = Dense::new(&pencil, &penalty);
+    let place = || format!("point {point}, beta_s = {beta_s:e}, r = {ratio}, {model:?}");
+    let spectrum = limit_of(&model, &pencil, SchemeName::CentralDifference, 0.0);
+    let dt = spectrum.enclose(&penalty, None).unwrap().seconds();
+    let modes = central_modes(&pencil, &penalty);
+    for (c, grows) in [(numbers.next(), false), (1.0 - 1e-4, false), (1.001, true)] {
+        // z^2 - (2 - dt^2 l) z + 1 = 0: on the circle exactly while dt^2 l <= 4.
+        assert_eq!((c * dt).powi(2) * modes > 4.0, grows, "central differences at {c} of {dt}: {}", place());
+    }
+    let limit = limit_of(&model, &pencil, SchemeName::PredictorCorrector, 0.0);
+    let step = limit.enclose(&penalty, None).unwrap();
+    let far = 2.0 / free_of(&*limit).value.sqrt();
+    let dt = step.lower();
+    for c in [numbers.next(), numbers.next(), 0.97, 1.0 - 1e-6, 1.0] {
+        let largest = outside(&scaled_pair(&dense.predictor_corrector(c * dt), &pencil, c * dt)).1;
+        assert!(largest <= 1.0 + ROUNDING, "|z| = {largest} at {c} of {dt}, dt_c = {far}: {}", place());
+    }
+    let bound = step.evidence == Evidence::LowerBound;
+    let short = dt < 0.999 * far;
+    let grown = outside(&scaled_pair(&dense.predictor_corrector(1.5 * dt), &pencil, dt)).0 > 0;
+    [bound, bound && short, bound && short && grown].map(usize::from)
+}
+
+/// l_max(K + K_p, M + M_p) by the dense eigenvalues of a symmetric matrix.
+fn central_modes(pencil: &Pencil, penalty: &Penalty) -> f64 {
+    let (mut k, mut m) = (full(pencil.stiffness()), full(pencil.mass()));
+    add_contacts(pencil, penalty, &mut k, &mut m);
+    let n = k.nrows();
+    let unit: Vec<f64> = (0..n).map(|i| m[(i, i)].sqrt()).collect();
+    let by_unit = |a: &Mat<f64>| Mat::from_fn(n, n, |i, j| a[(i, j)] / unit[i] / unit[j]);
+    let factor = by_unit(&m).llt(Side::Lower).unwrap();
+    let mut reduced = by_unit(&k);
+    for _ in 0..2 {
+        solve_lower_triangular_in_place(factor.L(), reduced.as_mut(), Par::Seq);
+        reduced = reduced.transpose().to_owned();
+    }
+    reduced.self_adjoint_eigenvalues(Side::Lower).unwrap()[n - 1]
+}
+
+/// The matrix for the states (u, dt v), each node by the root of its mass.
+fn scaled_pair(matrix: &Mat<f64>, pencil: &Pencil, dt: f64) -> Mat<f64> {
+    let n = pencil.size();
+    let unit = |i: usize| pencil.mass().diagonal(i % n).sqrt() * dt.powi((i / n) as i32);
+    Mat::from_fn(2 * n, 2 * n, |i, j| matrix[(i, j)] * unit(i) / unit(j))
+}
+
+/// Contact by contact dt^2 s'_j mu_j <= 1 would allow 1.22 times the bound, and the scheme grows there by 36 % a step.
+#[test]
+fn a_step_contact_by_contact_is_not_enough_for_coupled_contacts() {
+    // One element with stiffness k = E A/h and mass m = rho A h, h = A = 1.
+    let scene = row(&[(14.8, 55.9, 1.0, 1), (0.0155, 0.0144, 1.0, 1)], (End::Free, End::Wall));
+    let model = Model::new(scene, MassMatrix::CONSISTENT, PenaltyMass::Consistent);
+    let p = penalties(&model, 250.0, f64::INFINITY);
+    let pencil = model.pencil();
+    let limit = limit_of(&model, &pencil, SchemeName::PredictorCorrector, 0.0);
+    let dt = limit.enclose(&p, None).unwrap().lower();
+    let chain = pencil.chain().unwrap();
+    let own = chain.compliance().iter().zip(chain.terms(&p)).map(|(mu, p)| p.stiffness * mu);
+    let alone = 1.0 / own.fold(0.0, f64::max).sqrt();
+    assert!((alone / dt - 1.22).abs() < 0.005, "{} times", alone / dt);
+    let largest = |dt: f64| outside(&Dense::new(&pencil, &p).predictor_corrector(dt)).1;
+    println!("|z| = {} at the bound, {} at {} times it", largest(dt), largest(alone), alone / dt);
+    assert!(largest(dt) <= 1.0 + 1e-6 && largest(alone) > 1.3);
 }

@@ -83,7 +83,7 @@ fn islands_of_stability_are_found() {
     assert!(found >= 4, "{found}");
 }
 
-/// Contacts that are not alike are refused, as dt^2 lambda_max(C G) = 1 is safe but not their limit.
+/// Contacts that are not alike have a lower bound, as dt^2 lambda_max(C G) = 1 is not their limit.
 #[test]
 fn unlike_contacts_stand_more_than_the_safe_step() {
     let mut numbers = Numbers(23);

@@ -147,11 +147,11 @@ pub fn is_logarithmic(values: &[f64]) -> bool {
         && unevenness(f64::ln) < unevenness(|value| value)
 }
 
-/// The rows of one model as curves (r, points), in their order, the points of each by increasing beta_s.
+/// The rows of one model as curves (r, points) of what is known to be stable, in their order, the points of each by increasing beta_s.
 pub(super) fn curves_of(rows: &[StabilityRow]) -> Vec<(f64, Vec<(f64, f64)>)> {
     let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
     for row in rows {
-        let point = (row.stiffness_penalty.0, row.critical_courant.map_or(f64::NAN, |c| c.0));
+        let point = (row.stiffness_penalty.0, row.stable_courant().unwrap_or(f64::NAN));
         match curves.last_mut() {
             Some((ratio, points)) if *ratio == row.ratio.0 => points.push(point),
             _ => curves.push((row.ratio.0, vec![point])),
@@ -180,7 +180,7 @@ pub fn mass_family(models: &[Vec<StabilityRow>]) -> Figure {
 /// Levels worth a contour line: round values between the smallest C_r of the rows and just below the largest.
 pub fn levels(rows: &[StabilityRow]) -> Vec<f64> {
     const ROUND: [f64; 10] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.2, 0.4, 0.8, 1.2];
-    let values = || rows.iter().filter_map(|row| row.critical_courant).map(|c| c.0);
+    let values = || rows.iter().filter_map(StabilityRow::stable_courant);
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
     ROUND.into_iter().filter(|level| *level > 1.1 * low && *level < 0.97 * high).collect()
 }
@@ -290,9 +290,15 @@ pub fn optimal_ratio(models: &[Vec<OptimalRatioRow>], log: bool) -> Option<Figur
 pub fn titled_by_limit(mut figure: Figure, panels: &[Vec<StabilityRow>]) -> Figure {
     for (panel, rows) in figure.panels.iter_mut().zip(panels) {
         let Some(row) = rows.first() else { continue };
-        panel.title = Some(literal(&format!("{}, {} mass", limit_name(row.limit), row.mass)));
+        let bound = bound_name(rows);
+        panel.title = Some(literal(&format!("{}, {} mass{bound}", limit_name(row.limit), row.mass)));
     }
     figure
+}
+
+/// What a title adds where some of the limits are known from below only.
+fn bound_name(rows: &[StabilityRow]) -> &'static str {
+    if rows.iter().any(StabilityRow::is_lower_bound) { ", lower bound" } else { "" }
 }
 
 /// Whose limit, as a title names it.
@@ -315,7 +321,7 @@ pub fn costs(models: &[Vec<Vec<StabilityRow>>], theta: f64) -> Figure {
         curves_of(rows).iter().filter_map(quotient).collect()
     };
     let schemes = models.first().into_iter().flatten().enumerate().map(|(style, rows)| {
-        let name = rows.first().map_or(String::new(), |row| limit_name(row.limit));
+        let name = rows.first().map_or(String::new(), |row| limit_name(row.limit)) + bound_name(rows);
         Layer::curve(kept(rows), literal(&name), style)
     });
     let masses = models.iter().enumerate().filter_map(|(style, schemes)| {
@@ -355,7 +361,7 @@ fn title(rows: &[StabilityRow]) -> String {
         gamma => format!("γ = {gamma}"),
     };
     let name = scene_name(&row.scene);
-    literal(&format!("{name}, {} element{plural}, {mass}", row.elements))
+    literal(&format!("{name}, {} element{plural}, {mass}{}", row.elements, bound_name(rows)))
 }
 
 /// The built-in scenes by the names of the paper. A long name is cut: the title must fit above half a page.

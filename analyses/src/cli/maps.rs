@@ -77,9 +77,9 @@ pub struct Solved {
 /// Curves up to this many ratios; more are drawn as a map.
 const MOST_CURVES: usize = 12;
 
-/// Bytes of a point: as found (72, twice), its record (230, three times on the way to standard output), its line of text
-/// (up to 250, in a vector that doubles), and the cells of its line for the record of a figure (13 of 24 and up to 32).
-const BYTES_PER_POINT: u64 = 2200;
+/// Bytes of a point: as found (88, twice), its record (310, three times on the way to standard output), its line of text
+/// (up to 340, in a vector that doubles), and the cells of its line for the record of a figure (17 of 24 and up to 32).
+const BYTES_PER_POINT: u64 = 2800;
 
 impl Job {
     /// The job of one figure; refuses what the models cannot hold.
@@ -219,7 +219,9 @@ fn explain_scheme(model: &Model, scheme: SchemeName) -> String {
         SchemeName::Park => {
             "multiplier -1 of the amplification matrix, about 10 pairs of eliminations of the pencil"
         }
-        _ => "dt^2 s' mu = 1 in closed form; below the contact-free l_max signs of the secular equation",
+        _ => {
+            "dt^2 s' mu = 1 in closed form, of unlike contacts a lower bound; below the contact-free l_max signs of the secular equation"
+        }
     };
     format!("{} ({} elements, {} mass): {method}", scene.name(), scene.elements(), model.mass().name())
 }

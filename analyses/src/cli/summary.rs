@@ -18,7 +18,8 @@ pub struct MapSummary {
     free: String,
     linear_limit: String,
     verdict: String,
-    lowest: Option<(f64, String)>,
+    /// C_r, whether it is a lower bound, and where.
+    lowest: Option<(f64, bool, String)>,
     points: usize,
     uncertified: usize,
     seconds: f64,
@@ -62,12 +63,14 @@ impl MapSummary {
             elements: model.scene().elements(),
             mass: model.mass().name(),
             free: free.map_or("-".to_owned(), |step| format!("{:.6}", step.critical_courant)),
-            linear_limit: optimal
-                .map_or("-".to_owned(), |step| format!("{:.5e} s", model.time_step(step.lower))),
+            linear_limit: optimal.map_or("-".to_owned(), |step| {
+                let seconds = format!("{:.5e} s", model.time_step(step.lower));
+                if step.is_lower_bound() { format!("at least {seconds} (lower bound)") } else { seconds }
+            }),
             verdict,
             lowest: lowest.map(|((step, beta_s), ratio)| {
                 let at = format!("({}, {})", short(beta_s), short(ratio.get()));
-                (step.critical_courant, at)
+                (step.critical_courant, step.is_lower_bound(), at)
             }),
             points: points().count(),
             uncertified,
@@ -82,7 +85,7 @@ impl MapSummary {
         if (&self.scene, self.elements, &self.mass) != (&other.scene, other.elements, &other.mass) {
             return false;
         }
-        let lower = |a: &(f64, String), b: &(f64, String)| a.0 < b.0;
+        let lower = |a: &(f64, bool, String), b: &(f64, bool, String)| a.0 < b.0;
         if self.lowest.as_ref().zip(other.lowest.as_ref()).is_none_or(|(mine, theirs)| lower(theirs, mine)) {
             self.lowest = other.lowest.clone();
         }
@@ -109,7 +112,9 @@ impl MapSummary {
             self.free.clone(),
             self.linear_limit.clone(),
             self.verdict.clone(),
-            lowest.map_or("-".to_owned(), |(courant, at)| format!("{courant:.4e} {at}")),
+            lowest.map_or("-".to_owned(), |(courant, bound, at)| {
+                format!("{}{courant:.4e} {at}", if *bound { "at least " } else { "" })
+            }),
             time,
         ]
     }
@@ -129,8 +134,12 @@ fn verdict(solved: &Solved, free: CriticalStep, optimal: CriticalStep) -> (Strin
     if solved.limit.scheme().is_some() {
         // A scheme need not keep it; what it keeps is the answer.
         let kept = optimal.critical_courant / free.critical_courant;
-        let text =
-            if optimal.upper >= free.lower { "yes".to_owned() } else { format!("keeps {kept:.4} of it") };
+        let text = match optimal.is_lower_bound() {
+            true if optimal.lower >= free.lower => "yes".to_owned(),
+            true => format!("keeps at least {kept:.4} of it"),
+            false if optimal.upper >= free.lower => "yes".to_owned(),
+            false => format!("keeps {kept:.4} of it"),
+        };
         return (text, true);
     }
     let units = (free.critical_courant - optimal.critical_courant) / (free.critical_courant * f64::EPSILON);
@@ -172,7 +181,10 @@ pub fn tabulate_ratios(rows: &[OptimalRatioRow]) -> Vec<String> {
     let widest = found.max_by(|a, b| a.1.total_cmp(&b.1));
     let text = match (narrowest, widest) {
         (Some((ratio, narrow)), Some((_, wide))) => format!("{ratio:.12}, {narrow:.1e} to {wide:.1e}"),
-        _ => "no ratio costs a step".to_owned(),
+        _ => match rows.iter().filter_map(|row| row.lower).map(|lower| lower.0).reduce(f64::min) {
+            Some(lower) => format!("at least {lower:.12} (lower bound)"),
+            None => "no ratio costs a step".to_owned(),
+        },
     };
     let failing = rows.iter().find(|row| !row.holds);
     let holds =
@@ -264,8 +276,12 @@ pub fn point_answers(solved: &Solved, rows: &[StabilityRow]) -> Vec<String> {
                 ),
             },
         };
+        let (what, bound) = match step.is_lower_bound() {
+            true => ("stable up to at least", "lower bound, "),
+            false => ("linear limit of closed contact", ""),
+        };
         Some(format!(
-            "{}, {} mass, beta_s = {}, r = {}{pure}: linear limit of closed contact dt = {:e} s (C_r = {}{evidence})",
+            "{}, {} mass, beta_s = {}, r = {}{pure}: {what} dt = {:e} s ({bound}C_r = {}{evidence})",
             row.scene,
             row.mass,
             short(row.stiffness_penalty.0),

@@ -24,7 +24,7 @@ pub use opening_rows::{OpeningRow, Recommendation, scans};
 pub use precision_rows::{ExtremeRow, NumberOrRefusal, WorkRow};
 pub use provenance::Provenance;
 pub use read::{optimal_ratio_rows, stability_rows};
-pub use rows::{Number, OptimalRatioRow, StabilityRow};
+pub use rows::{LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow};
 pub use verify_rows::VerifyRow;
 
 use serde::Serialize;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Number, OptimalRatioRow, StabilityRow};
+use super::{LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow};
 use crate::error::{Error, Refusal, Result};
 use bipenalty::schemes::SchemeName;
 
@@ -38,10 +38,11 @@ type Kind = (&'static str, fn(f64) -> bool);
 const POSITIVE: Kind = ("a positive number, or nothing", |value| value > 0.0);
 const NOT_NEGATIVE: Kind = ("a number of at least 0, or nothing", |value| value >= 0.0);
 
-/// The rows of a file that `stability-map` or `scheme-limits` has written.
+/// The rows of a file that `stability-map` or `scheme-limits` has written, also before there were steps in seconds and
+/// evidence in it. Further columns are left alone.
 ///
 /// # Errors
-/// A file that cannot be read; other columns; the first cell with a value that no such row has, by its line.
+/// A file that cannot be read; a column that is missing; the first cell with a value that no such row has, by its line.
 pub fn stability_rows(file: &Path) -> Result<Vec<StabilityRow>> {
     rows(file, &STABILITY, |cells| {
         Ok(StabilityRow {
@@ -53,10 +54,14 @@ pub fn stability_rows(file: &Path) -> Result<Vec<StabilityRow>> {
             stiffness_penalty: cells.stiffness_penalty()?,
             ratio: cells.number("ratio", "a number above 0, or inf", |r| r > 0.0)?,
             omega_max: cells.result("omega_max", POSITIVE)?,
-            critical_courant: cells.enclosed("critical_courant", POSITIVE)?,
+            critical_courant: cells.enclosed(["critical_courant", "lower", "upper"], POSITIVE)?,
             lower: cells.result("lower", POSITIVE)?,
-            upper: cells.result("upper", POSITIVE)?,
+            upper: cells.bound("upper", POSITIVE)?,
             engine: cells.word("engine")?,
+            critical_step: cells.enclosed(["critical_step", "step_lower", "step_upper"], POSITIVE)?,
+            step_lower: cells.result("step_lower", POSITIVE)?,
+            step_upper: cells.bound("step_upper", POSITIVE)?,
+            evidence: cells.evidence()?,
         })
     })
 }
@@ -74,9 +79,9 @@ pub fn optimal_ratio_rows(file: &Path) -> Result<Vec<OptimalRatioRow>> {
             elements: cells.elements()?,
             limit: cells.limit()?,
             stiffness_penalty: cells.stiffness_penalty()?,
-            optimal_ratio: cells.enclosed("optimal_ratio", NOT_NEGATIVE)?,
+            optimal_ratio: cells.enclosed(["optimal_ratio", "lower", "upper"], NOT_NEGATIVE)?,
             lower: cells.result("lower", NOT_NEGATIVE)?,
-            upper: cells.result("upper", NOT_NEGATIVE)?,
+            upper: cells.bound("upper", NOT_NEGATIVE)?,
             holds: cells.parsed("holds", "true or false", |word| word.parse().ok())?,
         })
     })
@@ -84,7 +89,7 @@ pub fn optimal_ratio_rows(file: &Path) -> Result<Vec<OptimalRatioRow>> {
 
 fn rows<R>(
     file: &Path,
-    columns: &[&'static str],
+    required: &[&'static str],
     row: impl Fn(&Cells) -> Result<R, Refusal>,
 ) -> Result<Vec<R>> {
     let bytes = std::fs::read(file);
@@ -92,16 +97,17 @@ fn rows<R>(
     let place = |line: u64| format!("{}, line {line}", file.display());
     let unreadable = |error: csv::Error| {
         let line = error.position().map_or(1, csv::Position::line);
-        Refusal::new(place(line), error, format!("rows of {} columns", columns.len()))
+        Refusal::new(place(line), error, format!("rows of {} columns or more, as in line 1", required.len()))
     };
     let mut reader = csv::Reader::from_reader(bytes.as_slice());
     let header = reader.headers().map_err(unreadable)?;
-    if header.iter().ne(columns.iter().copied()) {
+    let columns: Vec<String> = header.iter().map(str::to_owned).collect();
+    if required.iter().any(|column| !columns.iter().any(|found| found == column)) {
         let found = header.iter().collect::<Vec<_>>().join(",");
         return Err(Refusal::new(
             place(1),
             format!("{found:?}"),
-            format!("the columns {}", columns.join(",")),
+            format!("the columns {}", required.join(",")),
         )
         .into());
     }
@@ -109,7 +115,7 @@ fn rows<R>(
     for record in reader.records() {
         let record = record.map_err(unreadable)?;
         let place = place(record.position().map_or(0, csv::Position::line));
-        rows.push(row(&Cells { place, columns, record })?);
+        rows.push(row(&Cells { place, columns: &columns, record })?);
     }
     if rows.is_empty() {
         return Err(Refusal::new(place(2), "the end of the file", "at least one row").into());
@@ -120,7 +126,7 @@ fn rows<R>(
 /// The cells of one row.
 struct Cells<'a> {
     place: String,
-    columns: &'a [&'static str],
+    columns: &'a [String],
     record: csv::StringRecord,
 }
 
@@ -157,12 +163,37 @@ impl Cells<'_> {
         self.number(column, allowed, |value| holds(value) && value.is_finite()).map(Some)
     }
 
-    /// A result that lies between `lower` and `upper`; all three are there or none.
-    fn enclosed(&self, column: &str, kind: Kind) -> Result<Option<Number>, Refusal> {
-        let value = |column| Ok::<_, Refusal>(self.result(column, kind)?.map(|Number(value)| value));
-        let (value, lower, upper) = (value(column)?, value("lower")?, value("upper")?);
-        let holds = match (value, lower, upper) {
-            (Some(value), Some(lower), Some(upper)) => lower <= value && value <= upper,
+    /// As [`Self::result`], or infinite.
+    fn bound(&self, column: &str, kind: Kind) -> Result<Option<Number>, Refusal> {
+        match self.text(column) {
+            "inf" => Ok(Some(Number(f64::INFINITY))),
+            _ => self.result(column, kind),
+        }
+    }
+
+    /// What stands behind C_r; where there is no such column, what its bounds tell.
+    fn evidence(&self) -> Result<String, Refusal> {
+        let there = |column| !self.text(column).is_empty();
+        let evidence = match (there("critical_courant"), there("lower")) {
+            (true, _) => PROVEN,
+            (false, true) => LOWER_BOUND,
+            (false, false) => "",
+        };
+        if self.columns.iter().any(|column| column == "evidence") {
+            let allowed = format!("{evidence:?} beside such bounds");
+            self.parsed("evidence", &allowed, |text| (text == evidence).then_some(()))?;
+        }
+        Ok(evidence.to_owned())
+    }
+
+    /// A result that lies between a lower and an upper bound; all three are there or none, or a lower bound alone, with an
+    /// infinite upper one.
+    fn enclosed(&self, columns: [&str; 3], kind: Kind) -> Result<Option<Number>, Refusal> {
+        let [column, low, high] = columns;
+        let (value, lower) = (self.result(column, kind)?.map(|x| x.0), self.result(low, kind)?.map(|x| x.0));
+        let holds = match (value, lower, self.bound(high, kind)?.map(|x| x.0)) {
+            (Some(value), Some(lower), Some(upper)) => lower <= value && value <= upper && upper.is_finite(),
+            (None, Some(_), Some(upper)) => upper.is_infinite(),
             (None, None, None) => true,
             _ => false,
         };

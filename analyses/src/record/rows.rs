@@ -37,17 +37,40 @@ pub struct StabilityRow {
     pub ratio: Number,
     /// omega_max, rad/s; empty for a limit other than the spectrum's, and where nothing could be certified.
     pub omega_max: Option<Number>,
-    /// C_r = c0 dt_cr/h of the reference element; empty where it could not be certified.
+    /// C_r = c0 dt_cr/h of the reference element; empty where it could not be certified or is known from below only.
     pub critical_courant: Option<Number>,
     /// Proven lower bound of C_r.
     pub lower: Option<Number>,
-    /// Proven upper bound of C_r.
+    /// Proven upper bound of C_r; infinite where it is known from below only.
     pub upper: Option<Number>,
     /// The engine that found the value; "not certified" is appended where it could not be proven.
     pub engine: String,
+    /// dt_cr, s; empty as `critical_courant`.
+    pub critical_step: Option<Number>,
+    /// Proven lower bound of dt_cr, s.
+    pub step_lower: Option<Number>,
+    /// Proven upper bound of dt_cr, s; infinite where it is known from below only.
+    pub step_upper: Option<Number>,
+    /// [`PROVEN`] for an enclosed limit, [`LOWER_BOUND`], or empty where nothing could be certified.
+    pub evidence: String,
 }
 
+/// The evidence of a limit that lies between its bounds.
+pub const PROVEN: &str = "proven";
+/// The evidence of a limit that may lie anywhere above `lower`.
+pub const LOWER_BOUND: &str = "lower bound";
+
 impl StabilityRow {
+    /// C_r, or its lower bound where that is all that is known: up to there every step is stable.
+    pub fn stable_courant(&self) -> Option<f64> {
+        self.critical_courant.or(self.lower).map(|courant| courant.0)
+    }
+
+    /// Whether C_r is known from below only.
+    pub fn is_lower_bound(&self) -> bool {
+        self.critical_courant.is_none() && self.lower.is_some()
+    }
+
     /// The rows of `curves`, curve by curve.
     pub fn of(model: &Model, limit: &'static str, curves: &[Curve]) -> Vec<Self> {
         let rows = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve.ratio, point)));
@@ -55,6 +78,15 @@ impl StabilityRow {
             let engine = point.engine;
             let step: Result<CriticalStep, Uncertified> = point.step;
             let number = |f: fn(CriticalStep) -> f64| step.ok().map(|step| Number(f(step)));
+            let found = step.ok().filter(|step| !step.is_lower_bound()).map(|step| step.critical_courant);
+            // A root and a quotient more than in C_r.
+            let margin = 2.0 * f64::EPSILON;
+            let seconds = |courant: f64, kept: f64| Number(model.time_step(courant) * kept);
+            let evidence = match step {
+                Ok(step) if step.is_lower_bound() => LOWER_BOUND,
+                Ok(_) => PROVEN,
+                Err(_) => "",
+            };
             Self {
                 scene: model.scene().name().to_owned(),
                 mass: model.mass().name(),
@@ -64,10 +96,14 @@ impl StabilityRow {
                 stiffness_penalty: Number(point.stiffness_penalty.get()),
                 ratio: Number(ratio.get()),
                 omega_max: if limit == "spectrum" { number(|s| s.omega_max) } else { None },
-                critical_courant: number(|s| s.critical_courant),
+                critical_courant: found.map(Number),
                 lower: number(|s| s.lower),
                 upper: number(|s| s.upper),
                 engine: if step.is_ok() { engine.to_owned() } else { format!("{engine}, not certified") },
+                critical_step: found.map(|courant| seconds(courant, 1.0)),
+                step_lower: step.ok().map(|step| seconds(step.lower, 1.0 - margin)),
+                step_upper: step.ok().map(|step| seconds(step.upper, 1.0 + margin)),
+                evidence: evidence.to_owned(),
             }
         })
         .collect()
@@ -89,13 +125,14 @@ pub struct OptimalRatioRow {
     pub limit: &'static str,
     /// beta_s.
     pub stiffness_penalty: Number,
-    /// The largest r that costs no time step; empty where no ratio provably costs one.
+    /// The largest r that costs no time step; empty where no ratio provably costs one, and where the limit is known from
+    /// below only.
     pub optimal_ratio: Option<Number>,
     /// Proven lower bound.
     pub lower: Option<Number>,
-    /// Proven upper bound.
+    /// Proven upper bound; infinite where the limit is known from below only.
     pub upper: Option<Number>,
-    /// Whether the enclosure contains the expected ratio.
+    /// Whether the enclosure contains the expected ratio, where one is found and expected.
     pub holds: bool,
 }
 
@@ -110,6 +147,8 @@ impl OptimalRatioRow {
         expected: Option<f64>,
     ) -> Self {
         let contains = |found: OptimalRatio| match expected {
+            // Nothing is expected of a limit that is known from below only.
+            None if found.upper.is_infinite() => true,
             Some(expected) => found.lower <= expected && expected <= found.upper,
             None => false,
         };
@@ -120,7 +159,7 @@ impl OptimalRatioRow {
             elements: model.scene().elements(),
             limit,
             stiffness_penalty: Number(beta_s),
-            optimal_ratio: found.map(|found| Number(found.value)),
+            optimal_ratio: found.filter(|found| found.upper.is_finite()).map(|found| Number(found.value)),
             lower: found.map(|found| Number(found.lower)),
             upper: found.map(|found| Number(found.upper)),
             holds: found.is_none_or(contains),

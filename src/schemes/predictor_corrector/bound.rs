@@ -4,15 +4,16 @@
 //! dt^2 <= a + 1/l_max(S G) = 1/(r omega^2) + 1/(beta_s l_max(P, M))      P = sum_j w_j z_j z_j'
 //! ```
 //! by the sufficient half of the proof for bars ([`ClosedLimit`](super::ClosedLimit)), which uses nothing of them. The
-//! limit itself may lie above: contacts that are not alike damp each other's unstable modes.
+//! limit itself may lie anywhere above, as contacts that are not alike damp each other's unstable modes: no upper bound is
+//! given, and the step is a [lower bound](crate::spectrum::Evidence::LowerBound).
 
 use faer::{Mat, Side};
 
 use crate::error::Refusal;
-use crate::pencil::{Penalty, PenaltyMass, Pencil};
+use crate::pencil::{Penalty, PenaltyMass, Pencil, last_pivot};
 use crate::schemes::Contacts;
-use crate::schemes::closed::contact_free;
-use crate::spectrum::{Enclosure, Engine, Step, StepLimit, UNIT_ROUNDOFF, Uncertified};
+use crate::schemes::closed::{COMPLIANCE_ERROR, ClosedContacts, contact_free};
+use crate::spectrum::{Enclosure, Engine, Step, StepLimit, UNIT_ROUNDOFF, Uncertified, bisect};
 
 /// The lower bound of the limit for any pencil.
 pub(super) struct Bound {
@@ -42,8 +43,32 @@ impl Bound {
             contact_free: contact_free(&*spectrum)?,
             contact: eigenvalues.last().copied().unwrap_or(0.0),
             error,
-            spreads_mass: pencil.gaps().iter().any(|gap| gap.column.0.len() > 1),
+            spreads_mass: spreads_mass(pencil),
         })
+    }
+
+    /// For the closed contacts of a row of bars: W^1/2 G W^1/2 is tridiagonal, and the sign of its pivots tells where
+    /// l_max(P, M) is.
+    pub fn of_bars(closed: &ClosedContacts) -> Self {
+        let (own, beside) = (&closed.compliance.diagonal, &closed.compliance.off_diagonal);
+        let pencil = closed.pencil.pencil();
+        let scale = |j: usize| pencil.gaps()[j].scale;
+        let diagonal: Vec<f64> = own.iter().enumerate().map(|(j, g)| scale(j) * g).collect();
+        let couple = |(j, g): (usize, &f64)| scale(j).sqrt() * g * scale(j + 1).sqrt();
+        let off: Vec<f64> = beside.iter().enumerate().map(couple).collect();
+        let lies_above = |l: f64| {
+            let rows = diagonal.iter().skip(1).zip(&off).map(|(own, off)| (l - own, *off));
+            let first = diagonal.first().copied().unwrap_or(0.0);
+            last_pivot(l - first, rows, |pivot, _| pivot > 0.0).is_some_and(|last| last > 0.0)
+        };
+        // Each contact is coupled to two at most, by no more than the root of the product of their own entries.
+        let largest = diagonal.iter().copied().fold(0.0, f64::max);
+        let (_, contact) = bisect(largest, 3.0 * largest, lies_above);
+        // An entry is in error by COMPLIANCE_ERROR, its scaling by 4 roundings, and a pivot by 4 more of l and of the
+        // entry beside it (Kahan: as exact pivots of entries so moved). Three entries of a row of at most l each.
+        let error = 3.0 * (COMPLIANCE_ERROR + 8.0 * UNIT_ROUNDOFF) + 16.0 * UNIT_ROUNDOFF;
+        let (contact_free, spreads_mass) = (closed.contact_free, spreads_mass(pencil));
+        Self { contact_free, contact, error, spreads_mass }
     }
 
     /// 4/(a + 1/(beta_s l_max(P, M))), rad^2/s^2.
@@ -51,6 +76,11 @@ impl Bound {
         let own = penalty.stiffness * self.contact;
         if own == 0.0 { 0.0 } else { 4.0 / (1.0 / own + 1.0 / penalty.rate) }
     }
+}
+
+/// Whether the diagonalised mass penalty couples what the gaps do not.
+fn spreads_mass(pencil: &Pencil) -> bool {
+    pencil.gaps().iter().any(|gap| gap.column.0.len() > 1)
 }
 
 impl StepLimit for Bound {
@@ -63,6 +93,9 @@ impl StepLimit for Bound {
             return Err(Uncertified { value: f64::NAN, width: f64::INFINITY });
         }
         let (q, free) = (self.contact_eigenvalue(penalty), self.contact_free);
+        if q == 0.0 {
+            return Ok(Step::proven(free));
+        }
         let upper = free.upper.max(q * (1.0 + self.error));
         Ok(Step::at_least(Enclosure { value: free.value.max(q), lower: free.lower, upper }))
     }

@@ -12,15 +12,26 @@
 //! ```text
 //! dt^2 lambda_max(C G) < 1  (k >= 0)      and      dt^2 K <= 4 M + Z k Z'
 //! ```
-//! the second of which holds whenever dt <= 2/sqrt(l_max(K, M)).
+//! the second of which holds whenever dt <= 2/sqrt(l_max(K, M)). With one factor a for the scene C^-1 = S^-1 + a G, and
+//! the first is one number for any contacts, mesh and mass matrix:
+//!
+//! ```text
+//! dt^2 < a + 1/l_max(S G) = 1/(r omega_e^2) + 1/(beta_s l_max(P, M))      P = sum_j w_j z_j z_j', s_j = beta_s w_j
+//! ```
+//! At equality k is infinite on a subspace, where the contact closes with zero gap; multipliers are continuous, so that
+//! the step itself is stable too. l_max(S G) is no less than s_j mu_j of any contact, and more where a bar couples
+//! contacts: dt^2 s'_j mu_j <= 1 contact by contact is not enough. Two consistent elements in a row on a wall grow at the
+//! largest such step, which is 1.22 times too large (`tests/scheme_limits/coupled.rs`).
 //!
 //! *Necessary.* If the second inequality fails, the symmetric matrix of the quadratic has a negative eigenvalue at
 //! z = -1 and none for z -> -inf: a real multiplier lies beyond -1. If k < 0 (contacts alike, so that k is a number),
 //! each mode with a complex multiplier and Z'x != 0 has |z|^2 = m/(m + c) > 1. That such a mode exists needs a node that
-//! no contact holds; single masses on contacts stand more, dt^2 s' mu = 4/3 at rest, and are refused here. Contacts that are not alike damp
-//! each other's unstable modes: dt^2 lambda_max(C G) <= 1 is then sufficient, but the limit lies above it, by up to 24 % of the
-//! step in some 160 random scenes of two and three bars, where complex multipliers cross the circle at an angle that no
-//! formula gives. They are refused, rather than given a bound in the name of a limit.
+//! no contact holds; single masses on contacts stand more, dt^2 s' mu = 4/3 at rest. Contacts that are not alike damp
+//! each other's unstable modes: dt^2 lambda_max(C G) <= 1 is then sufficient only, and the limit lies above it, by up to 24 % of
+//! the step in some 160 random scenes of two and three bars, where complex multipliers cross the circle at an angle that no
+//! formula gives. For these, for single masses and for contact at every node the scheme gives the step of the sufficient
+//! half, min(dt_c, (a + 1/l_max(S G))^1/2), as what it is: a lower bound
+//! ([`Evidence::LowerBound`](crate::spectrum::Evidence::LowerBound)).
 //!
 //! So one contact limits the step to dt^2 s' mu = 1,
 //!
@@ -69,32 +80,28 @@ impl<'a> ClosedLimit<'a> {
     /// A pencil that is no chain, contacts that are not alike, bodies of a single node and contact at every node; a
     /// contact-free l_max that cannot be certified.
     pub fn new(pencil: &'a Pencil, spectrum: Box<dyn Engine + 'a>) -> Result<Self, Refusal> {
-        let limit = Self { closed: ClosedContacts::new(pencil, spectrum, "predictor-corrector")? };
+        let closed = ClosedContacts::new(pencil, spectrum, "predictor-corrector")?;
+        Self::check(&closed)?;
+        Ok(Self { closed })
+    }
+
+    /// Refuses contacts of which only a lower bound of the limit is known.
+    pub(super) fn check(closed: &ClosedContacts) -> Result<(), Refusal> {
         let refuse = |what: &str, allowed: &str| {
             Err(Refusal::new("limit", format!("predictor-corrector with {what}"), allowed))
         };
-        let ClosedContacts { pencil, flexibility, .. } = &limit.closed;
+        let ClosedContacts { pencil, flexibility, .. } = closed;
         if flexibility.has_single_nodes_only() {
             return refuse("contact between single nodes", "bodies with at least two moving nodes");
         }
         if pencil.size() <= pencil.gaps().len() {
             return refuse("contact at every node", "bodies with a node that no contact holds");
         }
-        if !limit.contacts_are_alike() {
+        if !contacts_are_alike(closed) {
             let allowed = "one contact, or contacts of equal stiffness and nodal mass that no bar couples";
             return refuse("unlike contacts", allowed);
         }
-        Ok(limit)
-    }
-
-    /// Whether C G is a multiple of the identity, to the rounding of its entries.
-    fn contacts_are_alike(&self) -> bool {
-        let close = |a: f64, b: f64| (a - b).abs() <= 2.0 * COMPLIANCE_ERROR * a.abs().max(b.abs());
-        let ClosedContacts { compliance, pencil, .. } = &self.closed;
-        let (own, beside) = (&compliance.diagonal, &compliance.off_diagonal);
-        let uncoupled = beside.iter().all(|g| g.abs() <= UNIT_ROUNDOFF * own[0]);
-        let scales = pencil.scales().windows(2).all(|pair| close(pair[0].stiffness, pair[1].stiffness));
-        uncoupled && scales && own.windows(2).all(|pair| close(pair[0], pair[1]))
+        Ok(())
     }
 
     /// The ratio with which dt^2 s' mu = 1 at dt = `relative_courant` times the contact-free step: the contact of
@@ -150,6 +157,16 @@ impl<'a> ClosedLimit<'a> {
     pub(super) fn definite(&self, q: f64) -> Definite<'_> {
         Definite { closed: &self.closed, q, mu: self.closed.first_compliance() }
     }
+}
+
+/// Whether C G is a multiple of the identity, to the rounding of its entries.
+fn contacts_are_alike(closed: &ClosedContacts) -> bool {
+    let close = |a: f64, b: f64| (a - b).abs() <= 2.0 * COMPLIANCE_ERROR * a.abs().max(b.abs());
+    let ClosedContacts { compliance, pencil, .. } = closed;
+    let (own, beside) = (&compliance.diagonal, &compliance.off_diagonal);
+    let uncoupled = beside.iter().all(|g| g.abs() <= UNIT_ROUNDOFF * own[0]);
+    let scales = pencil.scales().windows(2).all(|pair| close(pair[0].stiffness, pair[1].stiffness));
+    uncoupled && scales && own.windows(2).all(|pair| close(pair[0], pair[1]))
 }
 
 impl StepLimit for ClosedLimit<'_> {

@@ -10,6 +10,7 @@ use bound::Bound;
 pub use limit::ClosedLimit;
 use motion::Steps;
 
+use super::closed::ClosedContacts;
 use super::{ContactSearch, Facts, Motion, Onset, Scheme, System};
 use crate::error::Refusal;
 use crate::pencil::Pencil;
@@ -44,9 +45,13 @@ impl Scheme for PredictorCorrector {
         pencil: &'a Pencil,
         spectrum: Box<dyn Engine + 'a>,
     ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
-        match pencil.chain() {
-            Some(_) => Ok(Box::new(ClosedLimit::new(pencil, spectrum)?)),
-            None => Ok(Box::new(Bound::new(pencil, spectrum)?)),
+        if pencil.chain().is_none() || spectrum.condensed().is_none() {
+            return Ok(Box::new(Bound::new(pencil, spectrum)?));
+        }
+        let closed = ClosedContacts::new(pencil, spectrum, self.facts().name)?;
+        match ClosedLimit::check(&closed) {
+            Ok(()) => Ok(Box::new(ClosedLimit { closed })),
+            Err(_) => Ok(Box::new(Bound::of_bars(&closed))),
         }
     }
 }
