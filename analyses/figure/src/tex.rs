@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use super::axes::power_note;
 use super::canvas::Pen;
-use super::cells::cells_image;
+use super::cells::Cells;
 use super::draw::{Page, Scene, pen_of};
 use super::error::PlotError;
 use super::font::Fonts;
@@ -87,7 +87,7 @@ fn cells(
         _ => None,
     });
     let (Some(cells), Some(bar)) = (cells, &page.bar) else { return Ok(None) };
-    let image = cells_image((panel, frame), cells, (bar.bar.map, bar.interval))?;
+    let image = Cells::new((panel, frame), cells, (bar.bar.map, bar.interval))?.image()?;
     Ok(image.map(|(png, place)| {
         let _ = writeln!(
             tex,
