@@ -10,7 +10,7 @@ use analyses::charts::impacts::{self, Quantity};
 use analyses::cli::{
     FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_memory,
     check_stems, checked_grid, exact_energy, exact_force, exact_stress, execute, finish, print_impacts,
-    require_memory,
+    require_memory, suffix,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{HistoryRow, ImpactRow};
@@ -199,10 +199,10 @@ fn write(finished: &[FinishedRun], output: &Output) -> Result<usize> {
     let mut files = 0;
     for run in finished {
         for contact in 0..contacts {
-            let stem = run.planned.stem() + &suffix(contact);
-            files += output.write_rows(&stem, &HistoryRow::of(&run.history, contact))?.len();
+            files +=
+                output.write_rows(&run.history_stem(contact), &HistoryRow::of(&run.history, contact))?.len();
         }
-        files += output.write_rows(&(run.planned.stem() + "-stress"), &run.stress())?.len();
+        files += output.write_rows(&run.stress_stem(), &run.stress())?.len();
     }
     // What has blown up would hide everything else; its row says when.
     let drawable = |run: &&FinishedRun| !matches!(run.history.ending, Ending::BlewUp { .. });
@@ -216,11 +216,6 @@ fn write(finished: &[FinishedRun], output: &Output) -> Result<usize> {
     Ok(files)
 }
 
-/// What the name of a file says of a contact, counted from 0 at the left.
-fn suffix(contact: usize) -> String {
-    if contact == 0 { String::new() } else { format!("-contact{}", contact + 1) }
-}
-
 /// Force and gap of one contact; with the first also what belongs to the bars.
 fn draw(planned: &PlannedRun, runs: &[&FinishedRun], contact: usize, output: &Output) -> Result<usize> {
     let (run, ratio) = (&planned.run, planned.ratio.get());
@@ -229,6 +224,7 @@ fn draw(planned: &PlannedRun, runs: &[&FinishedRun], contact: usize, output: &Ou
     let records: Vec<_> = runs.iter().map(|run| run.record(contact)).collect();
     let summary: Vec<ImpactRow> = runs.iter().map(|run| run.row()).collect();
     let number = (run.model().scales().len() > 1).then_some(contact + 1);
+    let histories: Vec<String> = runs.iter().map(|run| run.history_stem(contact)).collect();
     let mut files = 0;
     for (name, quantity) in Quantity::ALL.into_iter().filter(|(_, q)| contact == 0 || q.is_of_contact()) {
         let exact = match quantity {
@@ -238,7 +234,6 @@ fn draw(planned: &PlannedRun, runs: &[&FinishedRun], contact: usize, output: &Ou
         };
         let figure = impacts::histories(scene, &mass, &records, (quantity, number), &exact);
         let stem = format!("{scene}-{name}-{mass}{ratio}{}", suffix(contact));
-        let histories: Vec<String> = runs.iter().map(|run| run.planned.stem() + &suffix(contact)).collect();
         files += output.write_figure_of(&stem, &figure, &histories, Some(&summary))?.len();
     }
     if contact == 0 {
@@ -246,7 +241,7 @@ fn draw(planned: &PlannedRun, runs: &[&FinishedRun], contact: usize, output: &Ou
         let exact = time.map_or_else(Vec::new, |time| exact_stress(run, time));
         let figure = impacts::stresses(scene, &mass, &records, &exact);
         let stem = format!("{scene}-stress-{mass}{ratio}");
-        let stresses: Vec<String> = runs.iter().map(|run| run.planned.stem() + "-stress").collect();
+        let stresses: Vec<String> = runs.iter().map(|run| run.stress_stem()).collect();
         files += output.write_figure_of(&stem, &figure, &stresses, Some(&summary))?.len();
     }
     Ok(files)

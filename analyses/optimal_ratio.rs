@@ -88,7 +88,7 @@ fn run(options: &Options) -> Result<Verdict> {
         files += output.write_rows(name, &rows.concat())?.len();
         if output.wants_figures() && options.beta_s.values.len() > 1 {
             let log = charts::is_logarithmic(&options.beta_s.values);
-            if let Some(figure) = charts::optimal_ratio(&rows, log) {
+            if let Some(figure) = charts::optimal_ratio(&format!("{name}.csv"), &rows, log) {
                 files += output.write_figure(name, &figure)?.len();
             }
         }

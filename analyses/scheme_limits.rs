@@ -158,7 +158,7 @@ fn draw(job: &Job, model: &Model, rows: &[Vec<StabilityRow>], theta: f64, output
         }
         charts::titled_by_limit(charts::map(rows, &lines), rows)
     } else {
-        charts::titled_by_limit(charts::curves(rows, false), rows)
+        charts::titled_by_limit(charts::curves(&format!("{}.csv", job.stem), rows, false), rows)
     };
     Ok(output.write_figure(&job.stem, &figure)?.len())
 }
@@ -196,7 +196,9 @@ fn optimal_ratios(
         let stem = format!("optimal-ratio-{}", scheme.name());
         *files += output.write_rows(&stem, &rows.concat())?.len();
         // Where every ratio costs a step, as with the Park scheme, there is nothing to draw.
-        if let Some(figure) = charts::optimal_ratio(&rows, true).filter(|_| output.wants_figures()) {
+        if let Some(figure) =
+            charts::optimal_ratio(&format!("{stem}.csv"), &rows, true).filter(|_| output.wants_figures())
+        {
             *files += output.write_figure(&stem, &figure)?.len();
         }
         found.extend(rows.concat());

@@ -166,10 +166,11 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
 
 /// Draws the chart of a job from its rows; contour lines come from the secular equation, not from the grid.
 fn draw(job: &Job, rows: &[Vec<StabilityRow>], limit: &LimitOptions, output: &Output) -> Result<usize> {
+    let file = format!("{}.csv", job.stem);
     let figure = match job.chart {
         Chart::None => return Ok(0),
-        Chart::Curves => charts::curves(rows, charts::is_logarithmic(&job.beta_s.values)),
-        Chart::MassFamily => charts::mass_family(rows),
+        Chart::Curves => charts::curves(&file, rows, charts::is_logarithmic(&job.beta_s.values)),
+        Chart::MassFamily => charts::mass_family(&file, rows),
         Chart::Map => {
             let range = |axis: &Axis| (axis.values[0], axis.values[axis.values.len() - 1]);
             let (beta_s, ratio) = (range(&job.beta_s), range(&job.ratio));

@@ -19,13 +19,13 @@ const UNITS: f64 = 100.0;
 /// Family name of the built-in font; the PDF finds it by this.
 const FAMILY: &str = "DejaVu Sans";
 
-/// How text is written.
+/// What the page is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum TextForm {
-    /// As glyph outlines: looks the same everywhere and needs no font.
-    Outlines,
-    /// As text in the built-in font, which the reader of the SVG must have.
-    Live,
+pub(super) enum Form {
+    /// A picture that looks the same everywhere: text as glyph outlines, which need no font, cells as an image.
+    Svg,
+    /// A drawing for the converter to PDF: text in the built-in font, which it embeds, cells as rectangles.
+    Pdf,
 }
 
 /// A pen.
@@ -75,7 +75,7 @@ pub(super) struct Text<'a> {
 /// A page being drawn.
 pub(super) struct Canvas<'f> {
     fonts: &'f Fonts,
-    form: TextForm,
+    form: Form,
     body: String,
     /// Glyphs used, to be defined once.
     glyphs: BTreeSet<char>,
@@ -95,12 +95,16 @@ fn hex(colour: Colour) -> String {
 }
 
 impl<'f> Canvas<'f> {
-    pub(super) fn new(fonts: &'f Fonts, form: TextForm) -> Self {
+    pub(super) fn new(fonts: &'f Fonts, form: Form) -> Self {
         Self { fonts, form, body: String::new(), glyphs: BTreeSet::new() }
     }
 
     pub(super) fn fonts(&self) -> &'f Fonts {
         self.fonts
+    }
+
+    pub(super) fn form(&self) -> Form {
+        self.form
     }
 
     /// Lets plotters draw and keeps what it wrote between its `<svg>` tags.
@@ -178,12 +182,22 @@ impl<'f> Canvas<'f> {
         }
     }
 
+    /// Fills an upright rectangle.
+    pub(super) fn rect(&mut self, place: Rect, colour: Colour) {
+        let ((x, y), (right, bottom)) = (spot((place.left, place.top)), spot((place.right, place.bottom)));
+        let (width, height, fill) = (right - x, bottom - y, hex(colour));
+        // Writing to a String cannot fail, here and below.
+        let _ = writeln!(
+            self.body,
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{fill}\"/>"
+        );
+    }
+
     /// Places a PNG image.
     pub(super) fn image(&mut self, png: &[u8], place: Rect) {
         let data = base64::engine::general_purpose::STANDARD.encode(png);
         let (x, y) = spot((place.left, place.top));
         let (width, height) = (units(place.width()), units(place.height()));
-        // Writing to a String cannot fail, here and below.
         let _ = writeln!(
             self.body,
             "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
@@ -210,8 +224,8 @@ impl<'f> Canvas<'f> {
         }
         for piece in &line.pieces {
             match self.form {
-                TextForm::Outlines => self.outlines(piece, start, text.colour, false),
-                TextForm::Live => self.live(piece, start, text.colour),
+                Form::Svg => self.outlines(piece, start, text.colour, false),
+                Form::Pdf => self.live(piece, start, text.colour),
             }
         }
         self.body.push_str("</g>\n");

@@ -1,8 +1,9 @@
-//! Maps of coloured cells, as one image: no seams between cells, small files.
+//! Maps of coloured cells, without seams between them: as one image or, in a PDF, as rectangles that reach below the
+//! ones drawn after them, because two edges that only meet let the paper through where a viewer smooths them.
 
 use resvg::tiny_skia::{Pixmap, PremultipliedColorU8};
 
-use super::canvas::Canvas;
+use super::canvas::{Canvas, Form};
 use super::error::PlotError;
 use super::export::encode;
 use super::frame::{Frame, Interval};
@@ -22,46 +23,89 @@ pub(super) fn colour(map: ColourMap, share: f64) -> Colour {
     gradient.eval_continuous(share.clamp(0.0, 1.0)).as_tuple()
 }
 
-/// Draws cells with centres `x`, `y`, coloured by where their values lie in `range`.
-pub(super) fn draw_cells(
-    canvas: &mut Canvas,
-    place: (&Panel, &Frame),
-    cells: (&[f64], &[f64], &[f64]),
-    colours: (ColourMap, Interval),
-) -> Result<(), PlotError> {
-    if let Some((png, place)) = cells_image(place, cells, colours)? {
-        canvas.image(&png, place);
-    }
-    Ok(())
+/// Cells with centres `x`, `y` on a panel, coloured by where their values lie in `range`.
+pub(super) struct Cells<'a> {
+    frame: Rect,
+    /// Edges between the cells, mm, as the axes run: across to the right, up from the bottom.
+    across: Vec<f64>,
+    up: Vec<f64>,
+    values: &'a [f64],
+    map: ColourMap,
+    range: Interval,
 }
 
-/// The cells as PNG with their place on the page; `None` if the frame shows none of them.
-pub(super) fn cells_image(
-    (panel, frame): (&Panel, &Frame),
-    (x, y, values): (&[f64], &[f64], &[f64]),
-    (map, range): (ColourMap, Interval),
-) -> Result<Option<(Vec<u8>, Rect)>, PlotError> {
-    check(&panel.x, x)?;
-    check(&panel.y, y)?;
-    if values.len() != x.len() * y.len() {
-        return Err(PlotError::CellCount { columns: x.len(), rows: y.len(), values: values.len() });
+impl<'a> Cells<'a> {
+    pub(super) fn new(
+        (panel, frame): (&Panel, &Frame),
+        (x, y, values): (&[f64], &[f64], &'a [f64]),
+        (map, range): (ColourMap, Interval),
+    ) -> Result<Self, PlotError> {
+        check(&panel.x, x)?;
+        check(&panel.y, y)?;
+        if values.len() != x.len() * y.len() {
+            return Err(PlotError::CellCount { columns: x.len(), rows: y.len(), values: values.len() });
+        }
+        let across = edges(x.iter().map(|value| frame.x_at(*value)));
+        // Images run downwards, axes upwards: count from the bottom.
+        let up = edges(y.iter().map(|value| -frame.y_at(*value)));
+        Ok(Self { frame: frame.rect, across, up, values, map, range })
     }
-    let rect = frame.rect;
-    let across = edges(x.iter().map(|value| frame.x_at(*value)));
-    // Images run downwards, axes upwards: count from the bottom.
-    let up = edges(y.iter().map(|value| -frame.y_at(*value)));
-    let columns = Samples::new(&across, rect.left, rect.right);
-    let rows = Samples::new(&up, -rect.bottom, -rect.top);
-    if columns.cells.is_empty() || rows.cells.is_empty() {
-        return Ok(None);
+
+    pub(super) fn draw(&self, canvas: &mut Canvas) -> Result<(), PlotError> {
+        match canvas.form() {
+            Form::Svg => {
+                if let Some((png, place)) = self.image()? {
+                    canvas.image(&png, place);
+                }
+            }
+            Form::Pdf => self.rectangles().into_iter().for_each(|(place, colour)| canvas.rect(place, colour)),
+        }
+        Ok(())
     }
-    let height = rows.cells.len();
-    let png = picture(columns.cells.len() as u32, height as u32, |column, row| {
-        let (i, j) = (columns.cells[column as usize], rows.cells[height - 1 - row as usize]);
-        colour(map, range.position(values[j * x.len() + i]))
-    })?;
-    let place = Rect { left: columns.from, top: -rows.to, right: columns.to, bottom: -rows.from };
-    Ok(Some((png, place)))
+
+    /// The cells as PNG with their place on the page; `None` if the frame shows none of them.
+    pub(super) fn image(&self) -> Result<Option<(Vec<u8>, Rect)>, PlotError> {
+        let columns = Samples::new(&self.across, self.frame.left, self.frame.right);
+        let rows = Samples::new(&self.up, -self.frame.bottom, -self.frame.top);
+        if columns.cells.is_empty() || rows.cells.is_empty() {
+            return Ok(None);
+        }
+        let height = rows.cells.len();
+        let png = picture(columns.cells.len() as u32, height as u32, |column, row| {
+            self.colour(columns.cells[column as usize], rows.cells[height - 1 - row as usize])
+        })?;
+        let place = Rect { left: columns.from, top: -rows.to, right: columns.to, bottom: -rows.from };
+        Ok(Some((png, place)))
+    }
+
+    /// What the frame shows of the cells, to be drawn in this order: runs of one colour, row by row from the bottom,
+    /// each also below the next cell of its row and below the row that follows.
+    fn rectangles(&self) -> Vec<(Rect, Colour)> {
+        let mut rectangles = Vec::new();
+        let last = (self.across.len() - 2, self.up.len() - 2);
+        for j in 0..=last.1 {
+            let colours: Vec<Colour> = (0..=last.0).map(|i| self.colour(i, j)).collect();
+            let mut first = 0;
+            for run in colours.chunk_by(|one, next| one == next) {
+                let end = first + run.len();
+                let place = Rect {
+                    left: self.across[first].max(self.frame.left),
+                    right: self.across[(end + 1).min(last.0 + 1)].min(self.frame.right),
+                    top: (-self.up[(j + 2).min(last.1 + 1)]).max(self.frame.top),
+                    bottom: (-self.up[j]).min(self.frame.bottom),
+                };
+                if place.left < place.right && place.top < place.bottom {
+                    rectangles.push((place, run[0]));
+                }
+                first = end;
+            }
+        }
+        rectangles
+    }
+
+    fn colour(&self, i: usize, j: usize) -> Colour {
+        colour(self.map, self.range.position(self.values[j * (self.across.len() - 1) + i]))
+    }
 }
 
 fn check(axis: &Axis, centres: &[f64]) -> Result<(), PlotError> {
@@ -122,6 +166,7 @@ fn picture(width: u32, height: u32, colour_of: impl Fn(u32, u32) -> Colour) -> R
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Scale;
 
     #[test]
     fn unequal_cells_reach_half_way_to_their_neighbours() {
@@ -133,6 +178,34 @@ mod tests {
         assert_eq!((samples.from, samples.to), (0.0, 1.0));
         assert_eq!((samples.cells[0], samples.cells[half + 1]), (0, 1));
         assert!(Samples::new(&edges, 6.0, 7.0).cells.is_empty());
+    }
+
+    #[test]
+    fn rectangles_show_their_cells_and_reach_below_their_neighbours() {
+        let values = [0.0, 0.0, 1.0, 0.5, f64::NAN, 0.25];
+        let cells = Cells {
+            frame: Rect { left: 0.5, top: -2.0, right: 9.0, bottom: 0.0 },
+            across: vec![0.0, 1.0, 2.0, 3.0],
+            up: vec![0.0, 1.0, 1.5],
+            values: &values,
+            map: ColourMap::Viridis,
+            range: Interval { low: 0.0, high: 1.0, scale: Scale::Linear },
+        };
+        let rectangles = cells.rectangles();
+        // Two cells of one colour are one run; the frame cuts the first column.
+        assert_eq!(rectangles.len(), 5);
+        assert_eq!(rectangles[0].0, Rect { left: 0.5, top: -1.5, right: 3.0, bottom: 0.0 });
+        let around = |x: f64, y: f64| Rect::around((x, -y), 0.02, 0.02);
+        for (j, y) in [0.5, 1.25].into_iter().enumerate() {
+            for (i, x) in [0.75, 1.5, 2.5].into_iter().enumerate() {
+                let top = rectangles.iter().rfind(|(place, _)| place.contains(&around(x, y)));
+                assert_eq!(top.map(|(_, colour)| *colour), Some(cells.colour(i, j)), "cell {i}, {j}");
+            }
+        }
+        // On every edge between cells one rectangle lies whole below the smoothed edge of the other.
+        for (x, y) in [(2.0, 0.5), (1.0, 1.25), (2.0, 1.25), (0.75, 1.0), (1.5, 1.0), (2.5, 1.0)] {
+            assert!(rectangles.iter().any(|(place, _)| place.contains(&around(x, y))), "a seam at {x}, {y}");
+        }
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Drawing a figure: lay out, find places for the names, then draw from the bottom up.
 
 use super::axes::{draw_axes, draw_bar};
-use super::canvas::{Anchor, Canvas, Pen, Text, TextForm};
-use super::cells::draw_cells;
+use super::canvas::{Anchor, Canvas, Form, Pen, Text};
+use super::cells::Cells;
 use super::error::PlotError;
 use super::font::Fonts;
 use super::geometry::{Point, Rect, cut};
@@ -44,8 +44,8 @@ pub(super) struct Page<'a> {
 }
 
 impl Figure {
-    /// The figure as SVG with text in the given form.
-    pub(super) fn draw(&self, form: TextForm) -> Result<String, PlotError> {
+    /// The figure as SVG in the given form.
+    pub(super) fn draw(&self, form: Form) -> Result<String, PlotError> {
         let fonts = Fonts::new()?;
         let page = self.arrange(&fonts)?;
         let mut canvas = Canvas::new(&fonts, form);
@@ -156,7 +156,7 @@ fn draw_layer(
         Layer::Cells { x, y, values } => {
             let bar = bar.ok_or(PlotError::NoColourBar)?;
             let place = (scene.placed.panel, &scene.placed.frame);
-            return draw_cells(canvas, place, (x, y, values), (bar.bar.map, bar.interval));
+            return Cells::new(place, (x, y, values), (bar.bar.map, bar.interval))?.draw(canvas);
         }
         Layer::Contour { .. } => {
             let gap = scene.names.placed.iter().find(|name| name.layer == index);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb::Database};
 
-use super::canvas::TextForm;
+use super::canvas::Form;
 use super::error::PlotError;
 use super::model::Figure;
 use super::theme::PNG_DPI;
@@ -20,7 +20,7 @@ impl Figure {
     /// # Errors
     /// [`PlotError`] if a range, a label or a layer cannot be drawn.
     pub fn svg(&self) -> Result<String, PlotError> {
-        self.draw(TextForm::Outlines)
+        self.draw(Form::Svg)
     }
 
     /// The same drawing as PNG with 300 dots per inch.
@@ -48,12 +48,10 @@ impl Figure {
         let mut fonts = Database::new();
         fonts.load_font_data(dejavu::sans::regular().to_vec());
         let options = Options { fontdb: Arc::new(fonts), ..Options::default() };
-        let tree = svg2pdf::usvg::Tree::from_str(&self.draw(TextForm::Live)?, &options)?;
+        let tree = svg2pdf::usvg::Tree::from_str(&self.draw(Form::Pdf)?, &options)?;
         let page = svg2pdf::PageOptions { dpi: CSS_DPI };
-        let mut pdf = svg2pdf::to_pdf(&tree, svg2pdf::ConversionOptions::default(), page)
-            .map_err(|error| PlotError::Pdf(error.to_string()))?;
-        order_images(&mut pdf);
-        Ok(pdf)
+        svg2pdf::to_pdf(&tree, svg2pdf::ConversionOptions::default(), page)
+            .map_err(|error| PlotError::Pdf(error.to_string()))
     }
 }
 
@@ -74,30 +72,4 @@ pub(super) fn encode(pixels: &Pixmap, dpi: Option<f64>) -> Result<Vec<u8>, PlotE
     writer.write_image_data(pixels.data())?;
     writer.finish()?;
     Ok(bytes)
-}
-
-/// Sorts the lists of images, which svg2pdf writes in the order of a hash table: equal figures shall
-/// give equal bytes. A list is as long after sorting as before, so no offset in the file changes.
-fn order_images(pdf: &mut [u8]) {
-    const OPEN: &[u8] = b"/XObject <<\n";
-    const CLOSE: &[u8] = b">>";
-    let find = |pdf: &[u8], from: usize, what: &[u8]| {
-        let found = pdf[from..].windows(what.len()).position(|bytes| bytes == what);
-        found.map(|offset| from + offset)
-    };
-    let mut from = 0;
-    while let Some(open) = find(pdf, from, OPEN) {
-        let start = open + OPEN.len();
-        let Some(end) = find(pdf, start, CLOSE) else {
-            return;
-        };
-        // The last piece is the indentation of the closing brackets: it stays where it is.
-        let mut lines: Vec<Vec<u8>> =
-            pdf[start..end].split_inclusive(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
-        if let Some((_, entries)) = lines.split_last_mut() {
-            entries.sort();
-        }
-        pdf[start..end].copy_from_slice(&lines.concat());
-        from = end;
-    }
 }

@@ -38,9 +38,7 @@ mod markup;
 mod model;
 mod names;
 mod search;
-mod table;
 mod tex;
-mod tex_data;
 mod tex_label;
 mod theme;
 mod ticks;
@@ -53,7 +51,6 @@ pub use error::PlotError;
 pub use isolines::isolines;
 pub use markup::literal;
 pub use model::{
-    At, Axis, ColourBar, ColourMap, DataPoint, Figure, Layer, Naming, Panel, Scale, Side, Width,
+    At, Axis, ColourBar, ColourMap, DataPoint, Figure, Layer, Naming, Panel, Scale, Side, Source, Width,
 };
-pub use table::Table;
 pub use tex::TexSource;

@@ -162,6 +162,26 @@ pub struct ColourBar {
 /// A point in the units of the axes.
 pub type DataPoint = (f64, f64);
 
+/// Rows of a CSV file that hold the points of a layer, one a row and in the same order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// Name of the file, without folder.
+    pub file: String,
+    /// Names of the columns of x and y.
+    pub columns: [&'static str; 2],
+    /// First and last row, counted from 0 below the header.
+    pub rows: (usize, usize),
+}
+
+impl Source {
+    /// The `rows` of `file`; `None` unless there are at least two, each the next of the one before.
+    pub fn of(file: &str, columns: [&'static str; 2], rows: &[usize]) -> Option<Self> {
+        let (first, last) = (*rows.first()?, *rows.last()?);
+        let consecutive = first < last && rows.windows(2).all(|pair| pair[0] + 1 == pair[1]);
+        consecutive.then(|| Self { file: file.to_owned(), columns, rows: (first, last) })
+    }
+}
+
 /// Which side of a line is shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -194,6 +214,8 @@ pub enum Layer {
         label: Option<String>,
         /// Index into the theme.
         style: usize,
+        /// The records that hold the points.
+        source: Option<Source>,
     },
     /// Measured or computed single values.
     Markers {
@@ -205,6 +227,8 @@ pub enum Layer {
         style: usize,
         /// Whether a thin line guides the eye from marker to marker.
         joined: bool,
+        /// The records that hold the points.
+        source: Option<Source>,
     },
     /// The exact solution: a thin black line; jumps are two points with the same x.
     Exact {
@@ -228,6 +252,8 @@ pub enum Layer {
         side: Side,
         /// Text set inside.
         label: Option<String>,
+        /// The records that hold the points.
+        source: Option<Source>,
     },
     /// A map of coloured cells, each reaching half way to its neighbours on the axes.
     Cells {
@@ -250,11 +276,31 @@ pub enum Layer {
 impl Layer {
     /// A named curve.
     pub fn curve(points: Vec<DataPoint>, label: impl Into<String>, style: usize) -> Self {
-        Self::Curve { points, label: Some(label.into()), style }
+        Self::Curve { points, label: Some(label.into()), style, source: None }
     }
 
     /// Named markers, not joined.
     pub fn markers(points: Vec<DataPoint>, label: impl Into<String>, style: usize) -> Self {
-        Self::Markers { points, label: Some(label.into()), style, joined: false }
+        Self::Markers { points, label: Some(label.into()), style, joined: false, source: None }
+    }
+
+    /// The same layer with the records that hold its points; only curves, markers and shades can have some.
+    pub fn from_records(mut self, records: Option<Source>) -> Self {
+        if let Self::Curve { source, .. } | Self::Markers { source, .. } | Self::Shade { source, .. } =
+            &mut self
+        {
+            *source = records;
+        }
+        self
+    }
+
+    /// The records that hold the points; `None` if no file does.
+    pub fn source(&self) -> Option<&Source> {
+        match self {
+            Self::Curve { source, .. } | Self::Markers { source, .. } | Self::Shade { source, .. } => {
+                source.as_ref()
+            }
+            Self::Exact { .. } | Self::Rule { .. } | Self::Cells { .. } | Self::Contour { .. } => None,
+        }
     }
 }

@@ -17,7 +17,7 @@ fn curves() -> Figure {
     Figure::new(Width::Single, vec![Panel::new(x, y, layers)])
 }
 
-/// Two panels with maps, so that the PDF holds several images.
+/// Two panels with maps, as a picture and as rectangles.
 fn maps() -> Figure {
     let x: Vec<f64> = (-3..=3).map(|e| 10_f64.powi(e)).collect();
     let values = (0..49).map(|i| if i == 7 { f64::NAN } else { f64::from(i) });

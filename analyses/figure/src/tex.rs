@@ -6,16 +6,14 @@ use std::fmt::Write as _;
 
 use super::axes::power_note;
 use super::canvas::Pen;
-use super::cells::cells_image;
+use super::cells::Cells;
 use super::draw::{Page, Scene, pen_of};
 use super::error::PlotError;
 use super::font::Fonts;
 use super::frame::{Frame, Interval};
 use super::layout::PlacedBar;
-use super::model::{At, ColourMap, DataPoint, Figure, Layer, Scale, Side};
+use super::model::{At, ColourMap, DataPoint, Figure, Layer, Scale, Side, Source};
 use super::names::{Name, label_of};
-use super::table::Table;
-use super::tex_data::{Block, Columns};
 use super::tex_label::tex_label;
 use super::theme::{Colour, MARKER, SHADE, Shape, series_colour, series_shape};
 use super::ticks::Ticks;
@@ -51,20 +49,18 @@ pub struct TexSource {
 }
 
 impl Figure {
-    /// The figure as TeX source for pgfplots that reads its points from `tables` where these hold them. The names of
-    /// images begin with `stem`.
+    /// The figure as TeX source for pgfplots that reads the points of a layer from its records, if it has some. The
+    /// names of images begin with `stem`.
     ///
     /// # Errors
     /// As [`Figure::svg`].
-    pub fn tex(&self, stem: &str, tables: &[Table]) -> Result<TexSource, PlotError> {
+    pub fn tex(&self, stem: &str) -> Result<TexSource, PlotError> {
         let fonts = Fonts::new()?;
         let page = self.arrange(&fonts)?;
-        let columns: Vec<Columns> = tables.iter().map(Columns::of).collect();
         let (mut tex, mut images) = (HEAD.to_owned(), Vec::new());
-        let usual = usual_columns(self, &columns);
         for (index, scene) in page.scenes.iter().enumerate() {
             images.extend(cells(&mut tex, &page, scene, &format!("{stem}-cells{}", index + 1))?);
-            panel(&mut tex, &page, index, &|layer| source(layer, &columns, &usual))?;
+            panel(&mut tex, &page, index)?;
             for name in &scene.names.placed {
                 draw_name(&mut tex, &page, scene, name)?;
             }
@@ -87,7 +83,7 @@ fn cells(
         _ => None,
     });
     let (Some(cells), Some(bar)) = (cells, &page.bar) else { return Ok(None) };
-    let image = cells_image((panel, frame), cells, (bar.bar.map, bar.interval))?;
+    let image = Cells::new((panel, frame), cells, (bar.bar.map, bar.interval))?.image()?;
     Ok(image.map(|(png, place)| {
         let _ = writeln!(
             tex,
@@ -102,49 +98,8 @@ fn cells(
     }))
 }
 
-/// Pairs of columns that hold points of the figure's layers, and of how many.
-type Usual = Vec<(Vec<String>, usize)>;
-
-/// Several columns may hold the numbers of one layer by chance; those of most layers are what is meant.
-fn usual_columns(figure: &Figure, tables: &[Columns]) -> Usual {
-    let mut usual: Usual = Vec::new();
-    for points in figure.panels.iter().flat_map(|panel| &panel.layers).filter_map(series_of) {
-        let blocks = tables.iter().flat_map(|table| table.blocks(points));
-        for block in blocks {
-            match usual.iter_mut().find(|(columns, _)| *columns == block.columns) {
-                Some((_, count)) => *count += 1,
-                None => usual.push((block.columns, 1)),
-            }
-        }
-    }
-    usual
-}
-
-fn series_of(layer: &Layer) -> Option<&[DataPoint]> {
-    match layer {
-        Layer::Curve { points, .. } | Layer::Markers { points, .. } | Layer::Shade { points, .. } => {
-            (points.len() > 1).then_some(points)
-        }
-        _ => None,
-    }
-}
-
-/// The rows that hold the points of a layer.
-fn source(layer: &Layer, tables: &[Columns], usual: &Usual) -> Option<Block> {
-    let points = series_of(layer)?;
-    let count =
-        |block: &Block| usual.iter().find(|(c, _)| *c == block.columns).map_or(0, |(_, count)| *count);
-    // The last of equals: columns of results stand behind those of inputs.
-    tables.iter().flat_map(|table| table.blocks(points)).max_by_key(count)
-}
-
 /// One axis environment with its layers.
-fn panel(
-    tex: &mut String,
-    page: &Page,
-    index: usize,
-    source: &dyn Fn(&Layer) -> Option<Block>,
-) -> Result<(), PlotError> {
+fn panel(tex: &mut String, page: &Page, index: usize) -> Result<(), PlotError> {
     let scene = &page.scenes[index];
     let (placed, rect) = (&scene.placed, scene.placed.frame.rect);
     let panel = placed.panel;
@@ -176,7 +131,7 @@ fn panel(
     }
     tex.push_str("]\n");
     for layer in &panel.layers {
-        draw_layer(tex, layer, &placed.frame, source(layer));
+        draw_layer(tex, layer, &placed.frame);
     }
     for layer in page.legend.layers().filter(|_| first) {
         let name = tex_label(label_of(layer).unwrap_or_default())?;
@@ -246,15 +201,15 @@ fn colour_bar(tex: &mut String, placed: &PlacedBar, visible: bool) -> Result<(),
     Ok(())
 }
 
-fn draw_layer(tex: &mut String, layer: &Layer, frame: &Frame, block: Option<Block>) {
+fn draw_layer(tex: &mut String, layer: &Layer, frame: &Frame) {
     let style = style(layer);
     // Below a line means down to zero, which must lie at the lower edge or outside.
     let end = match layer {
         Layer::Shade { side: Side::Below, .. } if frame.y.low >= 0.0 => " \\closedcycle",
         _ => "",
     };
-    if let Some(Block { file, columns, rows: (first, last) }) =
-        block.filter(|_| !end.is_empty() || !matches!(layer, Layer::Shade { .. }))
+    if let Some(Source { file, columns, rows: (first, last) }) =
+        layer.source().filter(|_| !end.is_empty() || !matches!(layer, Layer::Shade { .. }))
     {
         let _ = writeln!(
             tex,

@@ -57,7 +57,7 @@ pub(super) fn trace(layer: &Layer, frame: &Frame) -> Result<Trace, PlotError> {
             check(&[(place, 0.0)], "rule", label)?;
             Ok(rule(*at, frame))
         }
-        Layer::Shade { points, side, label } => {
+        Layer::Shade { points, side, label, .. } => {
             check(points, "shade", label)?;
             let lines = frame.lines(points);
             let areas = lines.iter().map(|line| area(line, *side, rect));

@@ -3,19 +3,24 @@
 
 use super::maps::{number, scene_name};
 use crate::record::{HistoryRow, Number, StressRow};
-use figure::{Axis, Figure, Layer, Panel, Width, literal};
+use bipenalty::schemes::{ContactSearch, Facts};
+use figure::{Axis, Figure, Layer, Panel, Source, Width, literal};
 
 /// The records of one run, as the charts need them.
 #[derive(Debug, Clone)]
 pub struct RunRecord {
     /// beta_s.
     pub stiffness_penalty: f64,
-    /// Name of the scheme.
-    pub scheme: &'static str,
+    /// The scheme.
+    pub scheme: Facts,
     /// The history of one contact.
     pub history: Vec<HistoryRow>,
+    /// What the file of the history is called, without ending.
+    pub history_stem: String,
     /// The stress at the chosen times.
     pub stress: Vec<StressRow>,
+    /// What the file of the stress is called, without ending.
+    pub stress_stem: String,
 }
 
 /// A line of the exact solution; jumps are two points with the same time.
@@ -52,6 +57,15 @@ impl Quantity {
         }
     }
 
+    /// The column that holds it; the energy is a sum of two.
+    fn column(self) -> Option<&'static str> {
+        match self {
+            Self::Force => Some("contact_force"),
+            Self::Gap => Some("relative_gap"),
+            Self::Energy => None,
+        }
+    }
+
     /// What is drawn of a row; NaN leaves a gap in the line.
     fn value(self, row: &HistoryRow) -> f64 {
         match self {
@@ -71,13 +85,24 @@ pub fn histories(
     (quantity, contact): (Quantity, Option<usize>),
     exact: &ExactLine,
 ) -> Figure {
-    let curve = |run: &RunRecord| run.history.iter().map(|row| (row.time.0, quantity.value(row))).collect();
+    let curve = |run: &RunRecord| {
+        let points: Vec<_> = run.history.iter().map(|row| (row.time.0, quantity.value(row))).collect();
+        // A gap in the line is none in the column.
+        let whole = points.iter().all(|(_, value)| value.is_finite());
+        let column = quantity.column().filter(|_| whole);
+        let source = column.and_then(|column| source(&run.history_stem, ["time", column], points.len()));
+        (points, source)
+    };
     panels(scene, mass, runs, "time *t* [s]", &quantity.axis(contact), curve, exact)
 }
 
 /// The stress along the bars at the time of the rows, beside the `exact` one at that time.
 pub fn stresses(scene: &str, mass: &str, runs: &[RunRecord], exact: &ExactLine) -> Figure {
-    let curve = |run: &RunRecord| run.stress.iter().map(|row| (row.position.0, row.stress.0)).collect();
+    let curve = |run: &RunRecord| {
+        let points: Vec<_> = run.stress.iter().map(|row| (row.position.0, row.stress.0)).collect();
+        let source = source(&run.stress_stem, ["position", "stress"], points.len());
+        (points, source)
+    };
     let time = runs.iter().find_map(|run| run.stress.first()).map_or_else(String::new, |row| {
         // The time of a step carries the rounding of its size.
         let Number(time) = row.time;
@@ -87,13 +112,18 @@ pub fn stresses(scene: &str, mass: &str, runs: &[RunRecord], exact: &ExactLine) 
     panels(scene, mass, runs, &position, &Axis::linear("stress *σ* [Pa]"), curve, exact)
 }
 
+/// All rows of the file `stem`.
+fn source(stem: &str, columns: [&'static str; 2], rows: usize) -> Option<Source> {
+    Source::of(&format!("{stem}.csv"), columns, &(0..rows).collect::<Vec<_>>())
+}
+
 fn panels(
     scene: &str,
     mass: &str,
     runs: &[RunRecord],
     x: &str,
     y: &Axis,
-    curve: impl Fn(&RunRecord) -> Vec<(f64, f64)>,
+    curve: impl Fn(&RunRecord) -> (Vec<(f64, f64)>, Option<Source>),
     exact: &ExactLine,
 ) -> Figure {
     let mut penalties: Vec<f64> = runs.iter().map(|run| run.stiffness_penalty).collect();
@@ -102,10 +132,11 @@ fn panels(
         let of_panel: Vec<&RunRecord> = runs.iter().filter(|run| run.stiffness_penalty == *beta_s).collect();
         let mut layers = Vec::new();
         for run in &of_panel {
-            let (points, label) = (curve(run), Some(literal(run.scheme)));
+            let (points, source) = curve(run);
             // A run without contact has no line in a chart of penetrations.
             if points.iter().any(|(_, y)| y.is_finite()) {
-                layers.push(Layer::Curve { points, label, style: style(run.scheme) });
+                let layer = Layer::curve(points, literal(run.scheme.title), style(run.scheme));
+                layers.push(layer.from_records(source));
             }
         }
         if !exact.is_empty() {
@@ -123,12 +154,13 @@ fn panels(
     figure
 }
 
-/// Central differences chatter on a stiff contact: they stay grey behind the other schemes.
-fn style(scheme: &str) -> usize {
+/// A scheme that looks for contact only at the start of a step chatters on a stiff one: it stays grey behind the others, and
+/// the one that is proven to gain nothing leads.
+fn style(scheme: Facts) -> usize {
     const LIGHT_GREY: usize = 8;
-    match scheme {
-        "central difference" => LIGHT_GREY,
-        "predictor-corrector" => 0,
-        _ => 1,
+    match (scheme.search, scheme.gains_nothing) {
+        (ContactSearch::StartOfStep, _) => LIGHT_GREY,
+        (ContactSearch::Predictor, true) => 0,
+        (ContactSearch::Predictor, false) => 1,
     }
 }

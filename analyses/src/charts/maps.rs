@@ -2,7 +2,7 @@
 
 use crate::record::{OptimalRatioRow, StabilityRow};
 use figure::isolines;
-use figure::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Side, Width, literal};
+use figure::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Side, Source, Width, literal};
 
 /// Label of the critical Courant number.
 const COURANT: &str = "critical Courant number *C*_{r}";
@@ -10,76 +10,96 @@ const STIFFNESS: &str = "stiffness penalty *β*_{s}";
 const RATIO: &str = "penalty ratio *r*";
 
 /// C_r over beta_s, one panel a model and one curve a ratio, all on one scale of C_r. Points that could not be
-/// certified leave a gap. A curve r < 1 that cannot be told from r = 1 is not drawn, but named with it.
-pub fn curves(models: &[Vec<StabilityRow>], log: bool) -> Figure {
-    panels_of(models, log, models.iter().map(|rows| distinct(rows)).collect())
+/// certified leave a gap. A curve r < 1 that cannot be told from r = 1 is not drawn, but named with it. The rows of all
+/// models stand in `file`.
+pub fn curves(file: &str, models: &[Vec<StabilityRow>], log: bool) -> Figure {
+    panels_of(Some(file), models, log, models.iter().map(|rows| distinct(rows)).collect())
 }
 
 /// As [`curves`], with every ratio drawn and named for itself; r = 1 below the others.
 pub(super) fn all_curves(models: &[Vec<StabilityRow>], log: bool) -> Figure {
     let named = |rows: &Vec<StabilityRow>| {
         let mut curves = curves_of(rows);
-        curves.sort_by_key(|(ratio, _)| *ratio != 1.0);
-        let drawn = |(ratio, points)| Drawn { ratio, label: format!("*r* = {}", number(ratio)), points };
+        curves.sort_by_key(|curve| curve.ratio != 1.0);
+        let drawn = |curve: Curve| Drawn { label: format!("*r* = {}", number(curve.ratio)), curve };
         curves.into_iter().map(drawn).collect()
     };
-    panels_of(models, log, models.iter().map(named).collect())
+    // The points were computed for the chart: no file holds them.
+    panels_of(None, models, log, models.iter().map(named).collect())
 }
 
-fn panels_of(models: &[Vec<StabilityRow>], log: bool, mut drawn: Vec<Vec<Drawn>>) -> Figure {
+fn panels_of(
+    file: Option<&str>,
+    models: &[Vec<StabilityRow>],
+    log: bool,
+    mut drawn: Vec<Vec<Drawn>>,
+) -> Figure {
     let styles = Styles::of(models);
-    let curves = drawn.iter_mut().flatten();
-    curves.for_each(|curve| curve.points.retain(|(beta_s, _)| !log || *beta_s > 0.0));
-    let values = drawn.iter().flatten().flat_map(|curve| curve.points.iter().map(|point| point.1));
+    if log {
+        drawn.iter_mut().flatten().for_each(|drawn| drawn.curve.points.retain(|point| point.beta_s > 0.0));
+    }
+    let values =
+        drawn.iter().flatten().flat_map(|drawn| drawn.curve.points.iter().map(|point| point.courant));
     let range = shared_range(values.filter(|c| c.is_finite()));
+    let mut first = 0;
     let panels = models.iter().zip(drawn).map(|(rows, curves)| {
         let x = if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
-        let layer = |curve: Drawn| Layer::curve(curve.points, curve.label, styles.style(curve.ratio));
+        let source = |curve: &Curve| curve.source(file?, first);
+        let layer = |Drawn { label, curve }: Drawn| {
+            Layer::curve(curve.line(), label, styles.style(curve.ratio)).from_records(source(&curve))
+        };
         let y = Axis { range, ..Axis::linear(COURANT) };
-        let stable = stable_side(&curves);
+        let stable = stable_side(&curves, source);
         let layers = stable.into_iter().chain(curves.into_iter().map(layer));
-        Panel::new(x, y, layers.collect()).titled(title(rows))
+        let panel = Panel::new(x, y, layers.collect()).titled(title(rows));
+        first += rows.len();
+        panel
     });
     figure(panels.collect())
 }
 
-/// The side below all curves, where every step is stable.
-fn stable_side(curves: &[Drawn]) -> Option<Layer> {
-    let mut points = curves.first()?.points.clone();
+/// The side below all curves, where every step is stable; its source is that of a curve that is nowhere above another.
+fn stable_side(curves: &[Drawn], source: impl Fn(&Curve) -> Option<Source>) -> Option<Layer> {
+    let mut points = curves.first()?.curve.line();
+    let mut lowest_of_all = vec![true; curves.len()];
     for (i, (beta_s, lowest)) in points.iter_mut().enumerate() {
-        for curve in curves {
+        for Drawn { curve, .. } in curves {
             // Curves of other abscissae have no common envelope; a gap in one is a gap of the shade.
-            let (other, value) = *curve.points.get(i)?;
+            let Point { beta_s: other, courant, .. } = *curve.points.get(i)?;
             if other != *beta_s {
                 return None;
             }
-            *lowest = if value < *lowest || value.is_nan() { value } else { *lowest };
+            *lowest = if courant < *lowest || courant.is_nan() { courant } else { *lowest };
+        }
+        for (is_lowest, Drawn { curve, .. }) in lowest_of_all.iter_mut().zip(curves) {
+            *is_lowest &=
+                lowest.is_nan() == curve.points[i].courant.is_nan() && !(curve.points[i].courant > *lowest);
         }
     }
     let drawable = points.iter().filter(|point| point.1.is_finite()).count() > 1;
     let label = if curves.len() == 1 { "stable" } else { "stable for all *r* shown" };
-    drawable.then(|| Layer::Shade { points, side: Side::Below, label: Some(label.to_owned()) })
+    let source =
+        curves.iter().zip(lowest_of_all).find(|(_, lowest)| *lowest).and_then(|(d, _)| source(&d.curve));
+    drawable.then(|| Layer::Shade { points, side: Side::Below, label: Some(label.to_owned()), source })
 }
 
 /// A curve as it is drawn.
 struct Drawn {
-    ratio: f64,
     label: String,
-    points: Vec<(f64, f64)>,
+    curve: Curve,
 }
 
 /// The curves of one model that can be told apart, named.
 fn distinct(rows: &[StabilityRow]) -> Vec<Drawn> {
     let curves = curves_of(rows);
-    let optimal = curves.iter().find(|(ratio, _)| *ratio == 1.0).map(|(_, points)| points.clone());
-    let hidden =
-        |(ratio, points): &(f64, Vec<(f64, f64)>)| *ratio < 1.0 && !differs(points, optimal.as_deref());
+    let optimal = curves.iter().find(|curve| curve.ratio == 1.0).map(|curve| curve.points.clone());
+    let hidden = |curve: &Curve| curve.ratio < 1.0 && !differs(&curve.points, optimal.as_deref());
     let some_hidden = curves.iter().any(hidden);
     let shown = curves.into_iter().filter(|curve| !hidden(curve));
     shown
-        .map(|(ratio, points)| {
-            let relation = if some_hidden && ratio == 1.0 { "≤" } else { "=" };
-            Drawn { ratio, label: format!("*r* {relation} {}", number(ratio)), points }
+        .map(|curve| {
+            let relation = if some_hidden && curve.ratio == 1.0 { "≤" } else { "=" };
+            Drawn { label: format!("*r* {relation} {}", number(curve.ratio)), curve }
         })
         .collect()
 }
@@ -98,7 +118,7 @@ impl Styles {
             [(1.0, 0), (2.0, 1), (3.0, 2), (0.5, 3), (f64::INFINITY, 4), (0.25, 5)];
         let mut styles: Vec<(f64, usize)> = Vec::new();
         let mut others = Vec::new();
-        for (ratio, _) in models.iter().flat_map(|rows| curves_of(rows)) {
+        for Curve { ratio, .. } in models.iter().flat_map(|rows| curves_of(rows)) {
             match PAPER.iter().find(|(known, _)| *known == ratio) {
                 Some(known) => styles.push(*known),
                 None if !others.contains(&ratio) => others.push(ratio),
@@ -119,10 +139,10 @@ impl Styles {
 }
 
 /// Whether two curves are more than the width of a line apart somewhere.
-fn differs(points: &[(f64, f64)], reference: Option<&[(f64, f64)]>) -> bool {
+fn differs(points: &[Point], reference: Option<&[Point]>) -> bool {
     const LINE_WIDTH: f64 = 0.005;
     let Some(reference) = reference else { return true };
-    points.iter().zip(reference).any(|(a, b)| (a.1 - b.1).abs() > LINE_WIDTH * b.1)
+    points.iter().zip(reference).any(|(a, b)| (a.courant - b.courant).abs() > LINE_WIDTH * b.courant)
 }
 
 /// The range of all values with some air, so that panels can be compared; `None` if there is none.
@@ -147,31 +167,71 @@ pub fn is_logarithmic(values: &[f64]) -> bool {
         && unevenness(f64::ln) < unevenness(|value| value)
 }
 
+<<<<<<< HEAD
 /// The rows of one model as curves (r, points) of what is known to be stable, in their order, the points of each by increasing beta_s.
 pub(super) fn curves_of(rows: &[StabilityRow]) -> Vec<(f64, Vec<(f64, f64)>)> {
     let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
     for row in rows {
         let point = (row.stiffness_penalty.0, row.stable_courant().unwrap_or(f64::NAN));
+=======
+/// The points of one ratio by increasing beta_s.
+pub(super) struct Curve {
+    pub(super) ratio: f64,
+    points: Vec<Point>,
+}
+
+/// A row as a point of a curve.
+#[derive(Clone, Copy)]
+struct Point {
+    beta_s: f64,
+    /// C_r, NaN where it could not be certified.
+    courant: f64,
+    /// Index of the row among those of the model.
+    row: usize,
+}
+
+impl Curve {
+    fn line(&self) -> Vec<(f64, f64)> {
+        self.points.iter().map(|point| (point.beta_s, point.courant)).collect()
+    }
+
+    /// The rows of `file` where the points stand, those of the model from `first` on.
+    fn source(&self, file: &str, first: usize) -> Option<Source> {
+        let rows: Vec<usize> = self.points.iter().map(|point| first + point.row).collect();
+        Source::of(file, ["stiffness_penalty", "critical_courant"], &rows)
+    }
+}
+
+/// The rows of one model as curves, in their order.
+pub(super) fn curves_of(rows: &[StabilityRow]) -> Vec<Curve> {
+    let mut curves: Vec<Curve> = Vec::new();
+    for (index, row) in rows.iter().enumerate() {
+        let courant = row.critical_courant.map_or(f64::NAN, |c| c.0);
+        let point = Point { beta_s: row.stiffness_penalty.0, courant, row: index };
+>>>>>>> 8a5712a
         match curves.last_mut() {
-            Some((ratio, points)) if *ratio == row.ratio.0 => points.push(point),
-            _ => curves.push((row.ratio.0, vec![point])),
+            Some(curve) if curve.ratio == row.ratio.0 => curve.points.push(point),
+            _ => curves.push(Curve { ratio: row.ratio.0, points: vec![point] }),
         }
     }
-    curves.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
+    curves.iter_mut().for_each(|curve| curve.points.sort_by(|a, b| a.beta_s.total_cmp(&b.beta_s)));
     curves
 }
 
-/// The contact-free limit over gamma: computed points on the closed form sqrt((1+2g)/3) of (26).
-pub fn mass_family(models: &[Vec<StabilityRow>]) -> Figure {
-    let computed: Vec<(f64, f64)> =
-        models.iter().flatten().filter_map(|row| Some((row.gamma.0, row.critical_courant?.0))).collect();
+/// The contact-free limit over gamma: computed points on the closed form sqrt((1+2g)/3) of (26). The rows of all models
+/// stand in `file`.
+pub fn mass_family(file: &str, models: &[Vec<StabilityRow>]) -> Figure {
+    let computed = models.iter().flatten().enumerate();
+    let computed = computed.filter_map(|(i, row)| Some((i, (row.gamma.0, row.critical_courant?.0))));
+    let (rows, computed): (Vec<usize>, Vec<(f64, f64)>) = computed.unzip();
+    let source = Source::of(file, ["gamma", "critical_courant"], &rows);
     let exact = |i: usize| {
         let gamma = i as f64 / 100.0;
         (gamma, ((1.0 + 2.0 * gamma) / 3.0).sqrt())
     };
     let layers = vec![
         Layer::Exact { points: (0..=100).map(exact).collect(), label: Some("√((1 + 2γ)/3)".to_owned()) },
-        Layer::markers(computed, "computed", 0),
+        Layer::markers(computed, "computed", 0).from_records(source),
     ];
     let x = Axis::linear("mass matrix γ (0 consistent, 1 lumped)").over(0.0, 1.0);
     figure(vec![Panel::new(x, Axis::linear(COURANT), layers).titled("contact-free limit")])
@@ -212,11 +272,12 @@ struct MapGrid {
 impl MapGrid {
     fn of(rows: &[StabilityRow]) -> Self {
         let mut curves = curves_of(rows);
-        curves.sort_by(|a, b| a.0.total_cmp(&b.0));
+        curves.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+        let points = |curve: &Curve| curve.points.clone();
         Self {
-            x: curves.first().map_or_else(Vec::new, |(_, points)| points.iter().map(|(b, _)| *b).collect()),
-            y: curves.iter().map(|(ratio, _)| *ratio).collect(),
-            values: curves.iter().flat_map(|(_, points)| points.iter().map(|(_, c)| *c)).collect(),
+            x: curves.first().into_iter().flat_map(points).map(|point| point.beta_s).collect(),
+            y: curves.iter().map(|curve| curve.ratio).collect(),
+            values: curves.iter().flat_map(points).map(|point| point.courant).collect(),
         }
     }
 }
@@ -240,23 +301,28 @@ pub fn map(models: &[Vec<StabilityRow>], contours: &[ContourLines]) -> Figure {
 }
 
 /// The optimal ratio over beta_s, one curve a mass matrix, and the width of its enclosure. Where no ratio costs a step,
-/// or every one does, there is no curve; `None` if that is everywhere.
-pub fn optimal_ratio(models: &[Vec<OptimalRatioRow>], log: bool) -> Option<Figure> {
+/// or every one does, there is no curve; `None` if that is everywhere. The rows of all models stand in `file`.
+pub fn optimal_ratio(file: &str, models: &[Vec<OptimalRatioRow>], log: bool) -> Option<Figure> {
     let x = || if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
     let (mut values, mut widths, mut found) = (Vec::new(), Vec::new(), Vec::new());
-    for (style, rows) in models.iter().enumerate() {
+    let mut before = 0;
+    for (style, model) in models.iter().enumerate() {
         // Where every ratio costs a step, the largest that does not is 0.
-        let some = |row: &&OptimalRatioRow| row.optimal_ratio.is_some_and(|ratio| ratio.0 > 0.0);
-        let mut rows: Vec<&OptimalRatioRow> = rows.iter().filter(some).collect();
-        rows.sort_by(|a, b| a.stiffness_penalty.0.total_cmp(&b.stiffness_penalty.0));
+        let some =
+            |(_, row): &(usize, &OptimalRatioRow)| row.optimal_ratio.is_some_and(|ratio| ratio.0 > 0.0);
+        let mut rows: Vec<(usize, &OptimalRatioRow)> = (before..).zip(model).filter(some).collect();
+        before += model.len();
+        rows.sort_by(|(_, a), (_, b)| a.stiffness_penalty.0.total_cmp(&b.stiffness_penalty.0));
+        let (indices, rows): (Vec<usize>, Vec<&OptimalRatioRow>) = rows.into_iter().unzip();
         let Some(first) = rows.first() else { continue };
+        let source = Source::of(file, ["stiffness_penalty", "optimal_ratio"], &indices);
         let name = literal(&first.mass);
         let curve = |of: fn(&OptimalRatioRow) -> Option<f64>| {
             rows.iter().map(|row| (row.stiffness_penalty.0, of(row).unwrap_or(f64::NAN))).collect::<Vec<_>>()
         };
         let ratios = curve(|row| Some(row.optimal_ratio?.0));
         found.extend(ratios.iter().map(|(_, ratio)| *ratio));
-        values.push(Layer::curve(ratios, &name, style));
+        values.push(Layer::curve(ratios, &name, style).from_records(source));
         // An enclosure of no width has no place on a logarithmic axis.
         let width = curve(|row| Some(row.upper?.0 - row.lower?.0).filter(|width| *width > 0.0));
         if width.iter().any(|(_, width)| width.is_finite()) {
@@ -314,8 +380,8 @@ pub(super) fn limit_name(limit: &str) -> String {
 /// scheme, Park's with `theta`, with every mass matrix. `models`: mass by mass, scheme by scheme, curves over a contact-free and a stiff beta_s.
 pub fn costs(models: &[Vec<Vec<StabilityRow>>], theta: f64) -> Figure {
     let kept = |rows: &[StabilityRow]| -> Vec<(f64, f64)> {
-        let quotient = |(ratio, points): &(f64, Vec<(f64, f64)>)| match points[..] {
-            [(_, free), (_, stiff)] => Some((*ratio, stiff / free)),
+        let quotient = |curve: &Curve| match curve.points[..] {
+            [free, stiff] => Some((curve.ratio, stiff.courant / free.courant)),
             _ => None,
         };
         curves_of(rows).iter().filter_map(quotient).collect()

@@ -31,7 +31,7 @@ pub fn gain_maps(rows: &[OpeningRow]) -> Figure {
             let points =
                 steps.into_iter().map(|at| (at, largest_gain(&of_scheme, |row| fraction(row) == at)));
             let label = Some(literal(&limit_name(scheme)));
-            Layer::Markers { points: points.collect(), label, style, joined: true }
+            Layer::Markers { points: points.collect(), label, style, joined: true, source: None }
         };
         let mut layers: Vec<Layer> = schemes.iter().enumerate().map(layer).collect();
         let counts = 1.0 / first.elements as f64;

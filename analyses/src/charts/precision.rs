@@ -64,7 +64,7 @@ pub fn eigenvalue_times(rows: &[WorkRow]) -> Figure {
             let (name, style) = kind(method);
             let points = of().filter(|row| row.method == *method);
             let points = points.filter_map(|row| Some((row.size as f64, row.point()?.0))).collect();
-            Layer::Markers { points, label: Some(literal(name)), style, joined: true }
+            Layer::Markers { points, label: Some(literal(name)), style, joined: true, source: None }
         };
         let layers = methods.iter().map(line).collect();
         Panel::new(Axis::log("elements *n*"), Axis::log(SECONDS), layers).titled(literal(problem))
@@ -123,7 +123,7 @@ fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
 
 fn markers(rows: &[&WorkRow], joined: bool) -> Layer {
     let (name, style) = rows.first().map_or(("", 0), |row| kind(&row.method));
-    Layer::Markers { points: points(rows), label: Some(literal(name)), style, joined }
+    Layer::Markers { points: points(rows), label: Some(literal(name)), style, joined, source: None }
 }
 
 fn points(rows: &[&WorkRow]) -> Vec<(f64, f64)> {

@@ -1,6 +1,6 @@
 //! Predicted limits as curves, the limits that stepping found as markers on them.
 
-use super::maps::{STYLES, Styles, all_curves, curves_of, limit_name};
+use super::maps::{Curve, STYLES, Styles, all_curves, curves_of, limit_name};
 use crate::record::{StabilityRow, VerifyRow};
 use figure::{Figure, Layer, Naming};
 
@@ -16,7 +16,7 @@ pub fn limits(predicted: &[Vec<StabilityRow>], measured: &[Vec<VerifyRow>], log:
         if let Some(row) = rows.first() {
             panel.y.label = format!("*C*_{{r}}, {}", limit_name(row.scheme));
         }
-        for (ratio, _) in curves_of(predicted) {
+        for Curve { ratio, .. } in curves_of(predicted) {
             let of_ratio = rows.iter().filter(|row| row.ratio.0 == ratio);
             let point =
                 |row: &VerifyRow| (row.stiffness_penalty.0, 0.5 * (row.stable_at.0 + row.unstable_at.0));
@@ -27,6 +27,7 @@ pub fn limits(predicted: &[Vec<StabilityRow>], measured: &[Vec<VerifyRow>], log:
                     label: None,
                     style: styles.style(ratio),
                     joined: false,
+                    source: None,
                 });
             }
         }

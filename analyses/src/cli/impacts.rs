@@ -55,6 +55,16 @@ impl FinishedRun {
         ImpactRow::new(&self.planned.run, self.planned.beta_s.get(), self.planned.ratio.get(), &self.history)
     }
 
+    /// What the file of the history of `contact` (from 0 at the left) is called.
+    pub fn history_stem(&self, contact: usize) -> String {
+        self.planned.stem() + &suffix(contact)
+    }
+
+    /// What the file of the stress is called.
+    pub fn stress_stem(&self) -> String {
+        self.planned.stem() + "-stress"
+    }
+
     /// The stress rows of every recorded time.
     pub fn stress(&self) -> Vec<StressRow> {
         let run = &self.planned.run;
@@ -66,11 +76,18 @@ impl FinishedRun {
     pub fn record(&self, contact: usize) -> RunRecord {
         RunRecord {
             stiffness_penalty: self.planned.beta_s.get(),
-            scheme: self.planned.run.scheme().facts().title,
+            scheme: self.planned.run.scheme().facts(),
             history: HistoryRow::of(&self.history, contact),
+            history_stem: self.history_stem(contact),
             stress: self.stress(),
+            stress_stem: self.stress_stem(),
         }
     }
+}
+
+/// What the name of a file says of a contact, counted from 0 at the left.
+pub fn suffix(contact: usize) -> String {
+    if contact == 0 { String::new() } else { format!("-contact{}", contact + 1) }
 }
 
 /// Bytes of a row of the files of one contact: the record (72), its line of text (up to 260, in a vector that doubles), and

@@ -17,7 +17,9 @@ mod summary;
 mod verification;
 
 pub use arguments::arguments;
-pub use impacts::{FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute};
+pub use impacts::{
+    FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute, suffix,
+};
 pub use maps::{Chart, Job, Solved, checked_grid, paper, require_memory};
 pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
 pub use options::{

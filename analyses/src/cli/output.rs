@@ -116,7 +116,7 @@ impl Output {
                 &record::json(&self.provenance, rows)?,
             )?);
         }
-        if self.wants_figures() && (self.writes(Format::Tex) || self.writes(Format::Record)) {
+        if self.wants_figures() && self.writes(Format::Record) {
             let table = Table::of(format!("{stem}.csv"), &record::csv(rows)?)?;
             self.tables.lock().unwrap_or_else(PoisonError::into_inner).insert(stem.to_owned(), table);
         }
@@ -179,7 +179,7 @@ impl Output {
                 Format::Svg => figure.svg().map(String::into_bytes),
                 Format::Png => figure.png(),
                 Format::Pdf => figure.pdf(),
-                Format::Tex => figure.tex(stem, &data).map(|tex| {
+                Format::Tex => figure.tex(stem).map(|tex| {
                     images = tex.images;
                     tex.text.into_bytes()
                 }),

@@ -30,7 +30,9 @@ pub fn redraw_optimal_ratio(file: &Path, output: &Output) -> Result<(Vec<Optimal
     let key = |row: &OptimalRatioRow| (row.scene.clone(), row.mass.clone(), row.elements, row.limit);
     let models = models(&rows, key);
     let betas: Vec<f64> = models[0].iter().map(|row| row.stiffness_penalty.0).collect();
-    let figure = charts::optimal_ratio(&models, charts::is_logarithmic(&betas)).filter(|_| betas.len() > 1);
+    let name = stem(file)?.to_owned() + ".csv";
+    let figure =
+        charts::optimal_ratio(&name, &models, charts::is_logarithmic(&betas)).filter(|_| betas.len() > 1);
     let allowed = "at least two stiffness penalties and a ratio";
     let figure =
         figure.ok_or_else(|| Refusal::new(file.display().to_string(), "too few rows to draw", allowed))?;
@@ -54,9 +56,10 @@ fn stability_figure(models: &[Vec<StabilityRow>], file: &Path) -> Result<Figure,
         _ if models.len() > 1 && models.iter().all(contact_free) => Chart::MassFamily,
         chart => chart,
     };
+    let name = stem(file)?.to_owned() + ".csv";
     let figure = match chart {
-        Chart::MassFamily => charts::mass_family(models),
-        Chart::Curves => charts::curves(models, charts::is_logarithmic(&betas)),
+        Chart::MassFamily => charts::mass_family(&name, models),
+        Chart::Curves => charts::curves(&name, models, charts::is_logarithmic(&betas)),
         Chart::Map if models.iter().all(|rows| is_grid(rows)) => {
             let lines: Vec<_> = models.iter().map(|rows| charts::interpolated_contours(rows)).collect();
             charts::map(models, &lines)
@@ -82,14 +85,19 @@ fn is_grid(rows: &[StabilityRow]) -> bool {
         && curves.iter().all(|curve| betas(curve) == betas(curves[0]))
 }
 
+/// What the figure of a file is called.
+fn stem(file: &Path) -> Result<&str, Refusal> {
+    let stem = file.file_stem().and_then(|stem| stem.to_str());
+    stem.ok_or_else(|| Refusal::new("--from", file.display(), "a file with a name"))
+}
+
 fn write<R: serde::Serialize + Clone>(
     file: &Path,
     rows: &[R],
     figure: &Figure,
     output: &Output,
 ) -> Result<usize> {
-    let stem = file.file_stem().and_then(|stem| stem.to_str());
-    let stem = stem.ok_or_else(|| Refusal::new("--from", file.display(), "a file with a name"))?;
+    let stem = stem(file)?;
     let output = output.clone().redrawing(file);
     Ok(output.write_rows(stem, rows)?.len() + output.write_figure(stem, figure)?.len())
 }

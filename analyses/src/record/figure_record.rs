@@ -56,8 +56,8 @@ pub struct Check {
 /// Columns that say what a row is about.
 const SUBJECT: [&str; 10] =
     ["scene", "mass", "elements", "limit", "scheme", "contact", "engine", "family", "problem", "method"];
-/// What the engine of a value without proof is followed by.
-const UNCERTIFIED: &str = ", not certified";
+/// The bound that a certified value has, and one that could not be certified has not.
+const BOUND: &str = "lower";
 
 impl FigureRecord {
     /// The record of `figure`, drawn from `data`; `about` are rows that say more of the same runs.
@@ -71,11 +71,15 @@ impl FigureRecord {
         let all = || data.iter().chain(about);
         let mut subject: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for name in SUBJECT {
-            for word in all().filter_map(|table| table.column(name)).flatten() {
-                let words = subject.entry(name.to_owned()).or_default();
-                let word = word.trim_end_matches(UNCERTIFIED).to_owned();
-                if !words.contains(&word) {
-                    words.push(word);
+            for (table, words) in all().filter_map(|table| Some((table, table.column(name)?))) {
+                let known = subject.entry(name.to_owned()).or_default();
+                // An engine is named for what it has certified.
+                let bounds = table.column(BOUND).filter(|_| name == "engine").unwrap_or_default();
+                let counts = |row: usize| bounds.get(row).is_none_or(|bound| !bound.is_empty());
+                for (row, word) in words.into_iter().enumerate() {
+                    if counts(row) && !known.iter().any(|other| other == word) {
+                        known.push(word.to_owned());
+                    }
                 }
             }
         }
@@ -109,8 +113,9 @@ fn checks(table: &Table) -> Vec<Check> {
             checks.push(count(name.to_owned(), cells, |cell| *cell == "true"));
         }
     }
-    if let Some(engines) = table.column("engine") {
-        checks.push(count("certified".to_owned(), engines, |engine| !engine.ends_with(UNCERTIFIED)));
+    if table.column("engine").is_some() {
+        let bounds = table.column(BOUND).unwrap_or_default();
+        checks.push(count("certified".to_owned(), bounds, |bound| !bound.is_empty()));
     }
     if let Some(endings) = table.column("ending") {
         checks.push(count("finished".to_owned(), endings, |ending| *ending == "finished"));

@@ -15,9 +15,9 @@ mod precision_rows;
 mod provenance;
 mod read;
 mod rows;
+mod table;
 mod verify_rows;
 
-pub use figure::Table;
 pub use figure_record::{Check, DataFile, FigureRecord};
 pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
 pub use opening_rows::{OpeningRow, Recommendation, scans};
@@ -25,6 +25,7 @@ pub use precision_rows::{ExtremeRow, NumberOrRefusal, WorkRow};
 pub use provenance::Provenance;
 pub use read::{optimal_ratio_rows, stability_rows};
 pub use rows::{LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow};
+pub use table::Table;
 pub use verify_rows::VerifyRow;
 
 use serde::Serialize;
