@@ -167,16 +167,11 @@ pub fn is_logarithmic(values: &[f64]) -> bool {
         && unevenness(f64::ln) < unevenness(|value| value)
 }
 
-<<<<<<< HEAD
-/// The rows of one model as curves (r, points) of what is known to be stable, in their order, the points of each by increasing beta_s.
-pub(super) fn curves_of(rows: &[StabilityRow]) -> Vec<(f64, Vec<(f64, f64)>)> {
-    let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
-    for row in rows {
-        let point = (row.stiffness_penalty.0, row.stable_courant().unwrap_or(f64::NAN));
-=======
 /// The points of one ratio by increasing beta_s.
 pub(super) struct Curve {
     pub(super) ratio: f64,
+    /// Whether its points are lower bounds of limits.
+    bounds: bool,
     points: Vec<Point>,
 }
 
@@ -184,7 +179,7 @@ pub(super) struct Curve {
 #[derive(Clone, Copy)]
 struct Point {
     beta_s: f64,
-    /// C_r, NaN where it could not be certified.
+    /// What is known to be stable: C_r, or its lower bound; NaN where nothing could be certified.
     courant: f64,
     /// Index of the row among those of the model.
     row: usize,
@@ -198,7 +193,8 @@ impl Curve {
     /// The rows of `file` where the points stand, those of the model from `first` on.
     fn source(&self, file: &str, first: usize) -> Option<Source> {
         let rows: Vec<usize> = self.points.iter().map(|point| first + point.row).collect();
-        Source::of(file, ["stiffness_penalty", "critical_courant"], &rows)
+        let column = if self.bounds { "lower" } else { "critical_courant" };
+        Source::of(file, ["stiffness_penalty", column], &rows)
     }
 }
 
@@ -206,12 +202,11 @@ impl Curve {
 pub(super) fn curves_of(rows: &[StabilityRow]) -> Vec<Curve> {
     let mut curves: Vec<Curve> = Vec::new();
     for (index, row) in rows.iter().enumerate() {
-        let courant = row.critical_courant.map_or(f64::NAN, |c| c.0);
+        let courant = row.stable_courant().unwrap_or(f64::NAN);
         let point = Point { beta_s: row.stiffness_penalty.0, courant, row: index };
->>>>>>> 8a5712a
         match curves.last_mut() {
             Some(curve) if curve.ratio == row.ratio.0 => curve.points.push(point),
-            _ => curves.push(Curve { ratio: row.ratio.0, points: vec![point] }),
+            _ => curves.push(Curve { ratio: row.ratio.0, bounds: row.is_lower_bound(), points: vec![point] }),
         }
     }
     curves.iter_mut().for_each(|curve| curve.points.sort_by(|a, b| a.beta_s.total_cmp(&b.beta_s)));
