@@ -10,14 +10,12 @@ use std::process::ExitCode;
 use analyses::charts;
 use analyses::cli::{
     Job, Limit, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Solved, Verdict, arguments,
-    check_stems, finish, print_table,
+    check_stems, finish, print_table, scheme_lines,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{OptimalRatioRow, StabilityRow};
 use bipenalty::penalty::StiffnessPenalty;
-use bipenalty::stability::{
-    Axis, EngineName, Model, check_has_contact, optimal_scheme_ratio, scheme_contour,
-};
+use bipenalty::stability::{Axis, EngineName, Model, check_has_contact, optimal_scheme_ratio};
 use clap::Parser;
 use rayon::prelude::*;
 
@@ -153,8 +151,7 @@ fn draw(job: &Job, model: &Model, rows: &[Vec<StabilityRow>], theta: f64, output
         let mut lines = Vec::new();
         for (scheme, rows) in LIMITS.into_iter().filter_map(Limit::scheme).zip(rows) {
             let limit = model.limit(&*scheme.with_theta(theta)?, &pencil)?;
-            let line = |level: f64| (level, scheme_contour(model, &*limit, level, beta_s, ratio));
-            lines.push(charts::levels(rows).into_iter().map(line).collect());
+            lines.push(scheme_lines(model, &*limit, rows, beta_s, ratio));
         }
         charts::titled_by_limit(charts::map(rows, &lines), rows)
     } else {

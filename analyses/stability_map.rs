@@ -11,11 +11,12 @@ use analyses::charts;
 use analyses::cli::{
     Chart, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress, RatioSpec, SceneOptions, Solved,
     Verdict, arguments, check_stems, finish, paper, point_answers, print_summaries, redraw_stability,
+    scheme_lines,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::StabilityRow;
 use bipenalty::scene::built_in;
-use bipenalty::stability::{Axis, contour, scheme_contour};
+use bipenalty::stability::{Axis, contour};
 use clap::{Parser, ValueHint};
 
 /// Critical time steps of bars in contact: C_r over the stiffness penalty and the ratio, certified.
@@ -176,17 +177,15 @@ fn draw(job: &Job, rows: &[Vec<StabilityRow>], limit: &LimitOptions, output: &Ou
             let (beta_s, ratio) = (range(&job.beta_s), range(&job.ratio));
             let mut lines = Vec::new();
             for (model, rows) in job.models.iter().zip(rows) {
-                let levels = charts::levels(rows);
                 lines.push(match limit.limit.scheme() {
                     None => {
                         let line = |level: f64| Ok((level, contour(model, level, beta_s, ratio)?));
-                        levels.into_iter().map(line).collect::<Result<Vec<_>>>()?
+                        charts::levels(rows).into_iter().map(line).collect::<Result<Vec<_>>>()?
                     }
                     Some(scheme) => {
                         let pencil = model.pencil();
                         let limit = model.limit(&*scheme.with_theta(limit.theta())?, &pencil)?;
-                        let line = |level: f64| (level, scheme_contour(model, &*limit, level, beta_s, ratio));
-                        levels.into_iter().map(line).collect()
+                        scheme_lines(model, &*limit, rows, beta_s, ratio)
                     }
                 });
             }

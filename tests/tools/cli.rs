@@ -75,7 +75,7 @@ fn rows_come_curve_by_curve_and_read_back() {
         assert_eq!(values.len(), found.len(), "{name}");
         for (row, value) in found.iter().zip(values) {
             match name {
-                "scene" | "mass" | "limit" | "engine" => assert_eq!(row[i], value),
+                "scene" | "mass" | "limit" | "engine" | "evidence" => assert_eq!(row[i], value),
                 _ => assert_eq!(number(row[i]).to_bits(), number(value).to_bits(), "{name}"),
             }
         }

@@ -82,6 +82,69 @@ fn optimal_ratios_are_the_same_bytes() {
     }
 }
 
+const THREE: &str = "name = \"three\"\n[ends]\nleft = \"free\"\nright = \"wall\"\n";
+
+/// Three unlike bars on a wall: C_r of the predictor-corrector is known from below, and drawn as such.
+#[test]
+fn lower_bounds_are_recorded_drawn_and_read_back() {
+    let scratch = Scratch::new("bounds");
+    let bar = |length: u32, density: u32| {
+        format!(
+            "[[bar]]\nlength = {length}.0\nelements = {length}\nyoungs_modulus = 1.0\ndensity = {density}.0\narea = 1.0\n"
+        )
+    };
+    scratch.write("three.toml", [THREE.to_owned(), bar(3, 1), bar(1, 4), bar(2, 2)].concat());
+    let limit = "three.toml --mass lumped --limit predictor-corrector --quiet";
+    for points in ["--beta-s 1,2,3,10 --ratio 1", "--beta-s log:1:1e3:9 --ratio log:0.1:10:13"] {
+        run(&scratch, &format!("{limit} {points} --format svg,csv --out one")).succeeded();
+        let csv = String::from_utf8(scratch.read("one/three-lumped.csv")).unwrap();
+        for row in csv.lines().skip(1) {
+            let cells: Vec<&str> = row.split(',').collect();
+            let [courant, lower, upper] = [cells[8], cells[9], cells[10]];
+            assert_eq!(
+                [courant, upper, cells[12], cells[14], cells[15]],
+                ["", "inf", "", "inf", "lower bound"]
+            );
+            // c0 = h = 1 in the reference bar, so that C_r is the step in seconds.
+            let [lower, seconds] = [lower, cells[13]].map(|cell| cell.parse::<f64>().unwrap());
+            assert!(seconds <= lower && seconds > lower * (1.0 - 1e-14), "{row}");
+        }
+        run(&scratch, "--from one/three-lumped.csv --format svg,csv --out two --quiet").succeeded();
+        assert!(scratch.read("one/three-lumped.csv") == scratch.read("two/three-lumped.csv"));
+        let drawn = String::from_utf8(scratch.read("two/three-lumped.svg")).unwrap();
+        assert!(drawn.contains("lower bound"), "{points}");
+    }
+    let answer =
+        run(&scratch, "three.toml --mass lumped --limit predictor-corrector --beta-s 10 --ratio 1").stderr;
+    assert!(
+        answer.contains("stable up to at least dt = ") && !answer.contains("limit of closed contact dt"),
+        "{answer}"
+    );
+    let program = env!("CARGO_BIN_EXE_optimal-ratio");
+    let words = "three.toml --mass lumped --limit predictor-corrector --beta-s 1e6 --stdout csv --quiet";
+    let found = run_program(program, &scratch, &words.split(' ').collect::<Vec<_>>()).succeeded();
+    let cells: Vec<&str> = found.lines().nth(1).unwrap().split(',').collect();
+    assert_eq!([cells[6], cells[8], cells[9]], ["", "inf", "true"]);
+    let lower: f64 = cells[7].parse().unwrap();
+    // Lumped: r = 1/4 costs nothing for every beta_s where the reference element has the highest frequency.
+    assert!((0.25..0.2501).contains(&lower), "{lower}");
+}
+
+/// Records from before there were steps in seconds, and with a column of their own, make the same figure.
+#[test]
+fn older_records_and_further_columns_are_read() {
+    let scratch = Scratch::new("older");
+    run(&scratch, "signorini --mass lumped --beta-s 0,1,2 --format svg,csv --out one --quiet").succeeded();
+    let text = String::from_utf8(scratch.read("one/signorini-lumped.csv")).unwrap();
+    let older = |line: &str| line.split(',').take(12).collect::<Vec<_>>().join(",") + "\n";
+    let wider = |line: &str| format!("note,{line}\n");
+    for altered in [text.lines().map(older).collect::<String>(), text.lines().map(wider).collect()] {
+        scratch.write("signorini-lumped.csv", altered);
+        run(&scratch, "--from signorini-lumped.csv --format svg --out two --quiet").succeeded();
+        assert!(scratch.read("one/signorini-lumped.svg") == scratch.read("two/signorini-lumped.svg"));
+    }
+}
+
 #[test]
 fn the_source_is_not_touched() {
     let scratch = Scratch::new("source");
@@ -113,10 +176,12 @@ fn wrong_records_are_refused_by_line_and_column() {
         (5, 7, "fast", "positive number"),
         (6, 8, "2", "lower to upper"),
         (6, 9, "", "none of the three"),
+        (6, 13, "9", "lower to upper"),
+        (6, 15, "lower bound", "proven"),
         (7, 10, "nan", "positive number"),
         (7, 0, "", "a word"),
         (2, 11, "", "a word"),
-        (2, 0, "a,b", "12 columns"),
+        (2, 0, "a,b", "12 columns or more"),
     ];
     for (line, column, value, message) in wrong {
         let mut cells = cells.clone();

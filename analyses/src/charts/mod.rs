@@ -7,6 +7,6 @@ pub mod precision;
 pub mod verification;
 
 pub use maps::{
-    costs, curves, interpolated_contours, is_logarithmic, levels, map, mass_family, optimal_ratio,
-    titled_by_limit,
+    ContourLines, costs, curves, interpolated_contours, is_logarithmic, levels, map, mass_family,
+    optimal_ratio, titled_by_limit,
 };

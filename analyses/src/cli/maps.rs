@@ -3,15 +3,16 @@
 use std::time::Instant;
 
 use super::{Limit, LimitOptions, Progress};
-use crate::charts::is_logarithmic;
+use crate::charts::{ContourLines, interpolated_contours, is_logarithmic, levels};
 use crate::error::{Refusal, Result};
+use crate::record::StabilityRow;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::Penalty;
 use bipenalty::scene::Scene;
 use bipenalty::schemes::{ClosedLimit, SchemeName};
 use bipenalty::spectrum::{Enclosure, StepLimit, Uncertified};
-use bipenalty::stability::{Axis, Curve, Grid, Model, map};
+use bipenalty::stability::{Axis, Curve, Grid, Model, map, scheme_contour};
 
 /// How the points of a job are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -210,6 +211,21 @@ pub fn checked_grid(beta_s: &Axis, ratio: &Axis) -> Result<Grid, Refusal> {
 /// See [`Grid::require_memory`].
 pub fn require_memory(grid: &Grid, bytes: u64) -> Result<(), Refusal> {
     grid.require_memory(bytes)
+}
+
+/// The contour lines of the limit of a scheme: explicit for one contact, for several interpolated on the grid of the rows.
+pub fn scheme_lines(
+    model: &Model,
+    limit: &dyn StepLimit,
+    rows: &[StabilityRow],
+    beta_s: (f64, f64),
+    ratio: (f64, f64),
+) -> ContourLines {
+    if model.scales().len() > 1 {
+        return interpolated_contours(rows);
+    }
+    let line = |level: f64| (level, scheme_contour(model, limit, level, beta_s, ratio));
+    levels(rows).into_iter().map(line).collect()
 }
 
 /// How the limit of a scheme is found for `model`.

@@ -20,7 +20,7 @@ pub use arguments::arguments;
 pub use impacts::{
     FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute, suffix,
 };
-pub use maps::{Chart, Job, Solved, checked_grid, paper, require_memory};
+pub use maps::{Chart, Job, Solved, checked_grid, paper, require_memory, scheme_lines};
 pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
 pub use options::{
     Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput, WidthOption,
