@@ -24,6 +24,8 @@
 //! *Late rise.* It is missed where a decaying motion that is larger still hides it, and it may be made by an oscillation
 //! of which a window, 3/8 of the trial, does not hold some ten periods: contacts so soft that a body takes 1e5 steps to
 //! swing on them are outside of what is tried here (beta_s below some 1e-9).
+//! So are steps so small that a trial ends within a swing of an element: the Park scheme at beta_s = 1e6, r = inf, four
+//! lumped elements and a tolerance of 1e-3 is given 3.5e-6 by such a rise, instead of 6.0e-6.
 //!
 //! *What a trial can see.* A growth of [`Search::visible_growth`] a step shows whatever else moves, if the growing mode
 //! holds one part in e^5 of the start. Slower growth may show ([`LATE_RISE`] within 3/8 of the trial at best) or not.
