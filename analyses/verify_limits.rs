@@ -293,8 +293,9 @@ fn explain(job: &Job, grid: &Grid) -> String {
     let search = Search::to(job.tolerance, &*job.scheme);
     let (steps, growth) = search.map_or((0, f64::NAN), |search| (search.steps, search.visible_growth()));
     format!(
-        "{}: {} points to {:e}, by trials of {steps} steps, in which a growth of {growth:.1e} a step shows; the prediction \
-         only says where to look first{}; left out: eigenvectors\n",
+        "{}: {} points to {:e}, by trials of {steps} steps, in which a growth of {growth:.1e} a step shows and a slower \
+         one may not (stable_at = 0: growth beyond the pair is no faster than that of a motion growing at every step); the \
+         prediction only says where to look first{}; left out: eigenvectors\n",
         job.stem,
         grid.len() * job.models.len(),
         job.tolerance,

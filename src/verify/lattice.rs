@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::trial::{Trial, Trials};
+use super::trial::{STRIDE, Trial, Trials};
 use super::{Limit, Search};
 use crate::error::Refusal;
 
@@ -18,9 +18,12 @@ const SCANNED_OCTAVES: i64 = 2;
 /// Trials of the scan are shorter by this factor: together they cost a fraction of one trial.
 const SHORTER: u64 = 64;
 
-/// Growth of the continuous motion, a fixed factor in time, doubles with the step, and that of an error dt^2 in it
-/// grows by eight; beyond a limit it rises from zero within the tolerance.
-const ONSET: f64 = 9.0;
+/// Multiples of the step at which growth that begins at a limit is told from growth at every step. Two, as the first may
+/// be stable again.
+const BEYOND: [u64; 2] = [2, 4];
+
+/// Growth a step in proportion to dt (of the motion itself) up to dt^4 (of a scheme) is one at every step.
+const ORDER: u32 = 5;
 
 /// The search for one limit, which remembers its trials.
 pub(super) struct Lattice<'a> {
@@ -132,11 +135,19 @@ impl<'a> Lattice<'a> {
         Ok(None)
     }
 
-    /// Whether growth begins above `stable`. It does not where a trial sees only a late rise just above it and twice the
-    /// step grows less than [`ONSET`] times as fast: such growth is one in time, and ends with no step.
+    /// Whether growth begins above `stable`. Growth a step in proportion to dt^p, which no step ends, has not reached the
+    /// threshold in N steps there; so it does not in N/f^p steps of f times the length. What does in N/f^5 began.
     fn begins(&mut self, stable: i64) -> Result<bool, Refusal> {
-        let (just_above, twice) = (self.at(stable + 1)?, stable + 1 + self.octave);
-        Ok(just_above.rise <= 0.0 || self.at(twice)?.growth >= ONSET * just_above.growth)
+        for factor in BEYOND {
+            let courant = self.courant(stable + 1) * factor as f64;
+            let steps = (self.trials.search.steps / factor.pow(ORDER)).max(STRIDE);
+            let trial = self.trials.run(courant, steps)?;
+            self.total_steps += trial.steps;
+            if trial.grows {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 }
 

@@ -24,6 +24,8 @@
 //! *Late rise.* It is missed where a decaying motion that is larger still hides it, and it may be made by an oscillation
 //! of which a window, 3/8 of the trial, does not hold some ten periods: contacts so soft that a body takes 1e5 steps to
 //! swing on them are outside of what is tried here (beta_s below some 1e-9).
+//! So are steps so small that a trial ends within a swing of an element: the Park scheme at beta_s = 1e6, r = inf, four
+//! lumped elements and a tolerance of 1e-3 is given 3.5e-6 by such a rise, instead of 6.0e-6.
 //!
 //! *What a trial can see.* A growth of [`Search::visible_growth`] a step shows whatever else moves, if the growing mode
 //! holds one part in e^5 of the start. Slower growth may show ([`LATE_RISE`] within 3/8 of the trial at best) or not.
@@ -38,10 +40,11 @@
 //! the pair may depend on where the search began. Nothing above the pair is looked at.
 //!
 //! *Growth at every step.* A motion that grows in time, whatever the step, looks stable where the step is so small that a
-//! trial no longer sees it. Where growth just above the pair shows as a late rise only and is not nine times as fast at
-//! twice the step, the pair says how much a trial can see and nothing about stability: no stable step is reported
-//! ([`Limit::stable_at`] = 0). This does not catch all of it: the theta = 0 Park scheme with mass factors of their own for
-//! coupled contacts grows at every step, and is still given a limit, of 1e-5, where trials end within a swing of an element.
+//! trial no longer sees it. Growth that begins at a limit is fast beyond it: unless a trial at two or four times the step
+//! passes the threshold within 1/2^5 or 1/4^5 of the steps, the pair says how much a trial can see and nothing about
+//! stability, and no stable step is reported ([`Limit::stable_at`] = 0). Growth a step in proportion to dt^p, p < 5, is so
+//! found out wherever N/4^5 steps are at least the 7 between two looks at the size (derived for that form of growth,
+//! tried on p = 1). A limit beyond which all growth is slower than that is reported as none.
 //!
 //! # What is used
 //! K and M, in the size, and the contact terms, through the stepper. No eigenvalue and no amplification matrix enters a

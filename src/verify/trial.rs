@@ -9,7 +9,7 @@ use crate::stability::Model;
 use super::Search;
 
 /// The motion is looked at every so many steps. Odd, so that an oscillation of even period does not look constant.
-const STRIDE: u64 = 7;
+pub(super) const STRIDE: u64 = 7;
 
 /// ln of the rise of size^2 from one window to the next that counts as growth. Of a steady oscillation with p periods in
 /// a window the mean with Hann weights leaves less than 1/p^3: with ten periods less than a tenth of this.
@@ -25,8 +25,6 @@ pub(super) struct Trial {
     pub grows: bool,
     /// ln of the factor a step by which size grew late in the trial.
     pub growth: f64,
-    /// ln of the rise of size^2 over the last window; 0 for a trial that ended early.
-    pub rise: f64,
     /// Steps made.
     pub steps: u64,
 }
@@ -87,7 +85,6 @@ impl<'a> Trials<'a> {
                 return Ok(Trial {
                     grows: true,
                     growth: 0.5 * (last / start).ln() / step as f64,
-                    rise: 0.0,
                     steps: step,
                 });
             }
@@ -95,7 +92,6 @@ impl<'a> Trials<'a> {
                 return Ok(Trial {
                     grows: false,
                     growth: 0.5 * (now / start).ln() / step as f64,
-                    rise: 0.0,
                     steps: step,
                 });
             }
@@ -103,7 +99,7 @@ impl<'a> Trials<'a> {
         }
         let (rise, growth) = windows.rise();
         let grows = self.search.is_long() && steps == self.search.steps && rise > LATE_RISE;
-        Ok(Trial { grows, growth, rise, steps })
+        Ok(Trial { grows, growth, steps })
     }
 }
 
