@@ -19,7 +19,7 @@ pub struct Bounds {
     pub mass: f64,
 }
 
-/// BarRows of the mass beyond its diagonal are tried to be dominated after so many improvements of the weights.
+/// Rows of the mass beyond its diagonal are tried to be dominated after so many improvements of the weights.
 const IMPROVEMENTS: usize = 60;
 
 impl Bounds {

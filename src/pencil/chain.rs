@@ -123,7 +123,11 @@ impl Cuts {
 fn largest_free_node(stiffness: &Tridiagonal, mass: &Tridiagonal, gaps: &[EndGap]) -> f64 {
     let touched: Vec<usize> = gaps.iter().flat_map(EndGap::nodes).collect();
     let quotients = stiffness.diagonal.iter().zip(&mass.diagonal).map(|(k, m)| k / m).enumerate();
-    quotients.filter(|(i, _)| !touched.contains(i)).map(|(_, quotient)| quotient).fold(0.0, f64::max)
+    // Gaps run from left to right, and so do their nodes.
+    quotients
+        .filter(|(i, _)| touched.binary_search(i).is_err())
+        .map(|(_, quotient)| quotient)
+        .fold(0.0, f64::max)
 }
 
 /// A pencil whose K and M are tridiagonal, with gaps at the ends of its bars; see [`Pencil::chain`].

@@ -12,7 +12,7 @@
 //! ```
 //! use bipenalty::pencil::{Bounds, Gap, Matrix, Pencil};
 //! use bipenalty::sparse::{Csr, SparseVector};
-//! // Two masses of 1 kg on a spring of 1 N/m; the second may touch a wall. BarRows of |K| sum to 2 N/m.
+//! // Two masses of 1 kg on a spring of 1 N/m; the second may touch a wall. Rows of |K| sum to 2 N/m.
 //! let k = Csr::from_triplets(2, 2, &[(0, 0, 1.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)]);
 //! let gap = Gap { column: SparseVector(vec![(1, 1.0)]), scale: 1.0, initial: 0.0 };
 //! let bounds = Bounds { stiffness: 2.0, mass: 1.0 };

@@ -1,5 +1,6 @@
 //! The charts of the tools, made of records only.
 
+use super::curve::{Curve, Point, curves_of};
 use crate::record::{OptimalRatioRow, StabilityRow};
 use figure::isolines;
 use figure::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Side, Source, Width, literal};
@@ -72,8 +73,7 @@ fn stable_side(curves: &[Drawn], source: impl Fn(&Curve) -> Option<Source>) -> O
             *lowest = if courant < *lowest || courant.is_nan() { courant } else { *lowest };
         }
         for (is_lowest, Drawn { curve, .. }) in lowest_of_all.iter_mut().zip(curves) {
-            *is_lowest &=
-                lowest.is_nan() == curve.points[i].courant.is_nan() && !(curve.points[i].courant > *lowest);
+            *is_lowest &= curve.points[i].courant.total_cmp(lowest).is_eq();
         }
     }
     let drawable = points.iter().filter(|point| point.1.is_finite()).count() > 1;
@@ -165,52 +165,6 @@ pub fn is_logarithmic(values: &[f64]) -> bool {
     positive
         && values.iter().all(|value| value.is_finite())
         && unevenness(f64::ln) < unevenness(|value| value)
-}
-
-/// The points of one ratio by increasing beta_s.
-pub(super) struct Curve {
-    pub(super) ratio: f64,
-    /// Whether its points are lower bounds of limits.
-    bounds: bool,
-    points: Vec<Point>,
-}
-
-/// A row as a point of a curve.
-#[derive(Clone, Copy)]
-struct Point {
-    beta_s: f64,
-    /// What is known to be stable: C_r, or its lower bound; NaN where nothing could be certified.
-    courant: f64,
-    /// Index of the row among those of the model.
-    row: usize,
-}
-
-impl Curve {
-    fn line(&self) -> Vec<(f64, f64)> {
-        self.points.iter().map(|point| (point.beta_s, point.courant)).collect()
-    }
-
-    /// The rows of `file` where the points stand, those of the model from `first` on.
-    fn source(&self, file: &str, first: usize) -> Option<Source> {
-        let rows: Vec<usize> = self.points.iter().map(|point| first + point.row).collect();
-        let column = if self.bounds { "lower" } else { "critical_courant" };
-        Source::of(file, ["stiffness_penalty", column], &rows)
-    }
-}
-
-/// The rows of one model as curves, in their order.
-pub(super) fn curves_of(rows: &[StabilityRow]) -> Vec<Curve> {
-    let mut curves: Vec<Curve> = Vec::new();
-    for (index, row) in rows.iter().enumerate() {
-        let courant = row.stable_courant().unwrap_or(f64::NAN);
-        let point = Point { beta_s: row.stiffness_penalty.0, courant, row: index };
-        match curves.last_mut() {
-            Some(curve) if curve.ratio == row.ratio.0 => curve.points.push(point),
-            _ => curves.push(Curve { ratio: row.ratio.0, bounds: row.is_lower_bound(), points: vec![point] }),
-        }
-    }
-    curves.iter_mut().for_each(|curve| curve.points.sort_by(|a, b| a.beta_s.total_cmp(&b.beta_s)));
-    curves
 }
 
 /// The contact-free limit over gamma: computed points on the closed form sqrt((1+2g)/3) of (26). The rows of all models

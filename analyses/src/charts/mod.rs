@@ -1,5 +1,6 @@
 //! The charts of the tools, made of records only.
 
+mod curve;
 pub mod impacts;
 mod maps;
 pub mod opening;

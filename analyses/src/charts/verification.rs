@@ -1,6 +1,7 @@
 //! Predicted limits as curves, the limits that stepping found as markers on them.
 
-use super::maps::{Curve, STYLES, Styles, all_curves, curves_of, limit_name};
+use super::curve::{Curve, curves_of};
+use super::maps::{STYLES, Styles, all_curves, limit_name};
 use crate::record::{StabilityRow, VerifyRow};
 use figure::{Figure, Layer, Naming};
 

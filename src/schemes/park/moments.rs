@@ -6,7 +6,7 @@
 //! W = dt_c^2 sum_k s_k mu_k      mu_k = Z'M^-1 (dt_c^2 K M^-1)^k Z      (x <= 4)
 //! ```
 
-use crate::pencil::{ChainPencil, EndGap, Tridiagonal};
+use crate::pencil::{BarRows, ChainPencil, EndGap, Tridiagonal};
 use crate::spectrum::UNIT_ROUNDOFF;
 
 /// Moments that are kept. With 4 c_1 + 16 b <= c_0/4 two more terms gain a factor of 4 at least: 2^-60 is left.
@@ -16,29 +16,67 @@ const COUNT: usize = 60;
 #[derive(Debug)]
 pub(super) struct Moments(Vec<Tridiagonal>);
 
+/// What a unit force at one contact moves: the bars that touch it, which no others couple to; of a lumped one only the
+/// nodes that the kept powers of M^-1 K reach.
+struct Reach {
+    /// The first of its nodes.
+    first: usize,
+    stiffness: Tridiagonal,
+    mass: Tridiagonal,
+    /// (M^-1 K)^i M^-1 z.
+    state: Vec<f64>,
+}
+
+impl Reach {
+    fn new(pencil: &ChainPencil<'_>, gap: &EndGap) -> Self {
+        let touched = |bar: &&BarRows| gap.nodes().any(|node| bar.nodes.contains(&node));
+        let bars = || pencil.bars().iter().filter(touched);
+        let mut first = bars().map(|bar| bar.nodes.start).min().unwrap_or(0);
+        let mut end = bars().map(|bar| bar.nodes.end).max().unwrap_or(pencil.size());
+        if pencil.mass().off_diagonal.iter().all(|off| *off == 0.0) {
+            let (low, high) = gap.nodes().fold((usize::MAX, 0), |(l, h), node| (l.min(node), h.max(node)));
+            first = first.max(low.saturating_sub(COUNT));
+            end = end.min(high + 1 + COUNT);
+        }
+        let part = |a: &Tridiagonal| Tridiagonal {
+            diagonal: a.diagonal[first..end].to_vec(),
+            off_diagonal: a.off_diagonal[first..end - 1].to_vec(),
+        };
+        let (stiffness, mass) = (part(pencil.stiffness()), part(pencil.mass()));
+        // The bars are uncoupled, so the two nodes of a pair may carry the same sign, as in the flexibility.
+        let mut state = vec![0.0; end - first];
+        gap.nodes().for_each(|node| state[node - first] = 1.0);
+        solve(&mass, &mut state);
+        Self { first, stiffness, mass, state }
+    }
+
+    /// state <- factor M^-1 K state.
+    fn advance(&mut self, factor: f64) {
+        let mut force = vec![0.0; self.state.len()];
+        self.stiffness.multiply(&self.state, &mut force);
+        force.iter_mut().for_each(|f| *f *= factor);
+        solve(&self.mass, &mut force);
+        self.state = force;
+    }
+
+    /// x'y over the nodes of both, y an image of its own state.
+    fn dot(&self, other: &Self, image: &[f64]) -> f64 {
+        let start = self.first.max(other.first);
+        let (own, others) = (start - self.first, start - other.first);
+        let pairs = image.iter().skip(own).zip(other.state.iter().skip(others));
+        pairs.map(|(a, b)| a * b).sum()
+    }
+}
+
 impl Moments {
     /// The moments of the gaps of `pencil`, with dt_c^2 = `squared_step`.
     pub(super) fn new(pencil: ChainPencil<'_>, squared_step: f64) -> Self {
-        let (k, m) = (pencil.stiffness(), pencil.mass());
-        // The bars are uncoupled, so the two nodes of a pair may carry the same sign, as in the flexibility.
-        let column = |gap: &EndGap| {
-            let mut z = vec![0.0; pencil.size()];
-            gap.nodes().for_each(|node| z[node] = 1.0);
-            solve(m, &mut z);
-            z
-        };
-        let mut states: Vec<Vec<f64>> = pencil.gaps().iter().map(column).collect();
+        let mut reaches: Vec<Reach> = pencil.gaps().iter().map(|gap| Reach::new(&pencil, gap)).collect();
         let mut moments = Vec::with_capacity(COUNT);
         while moments.len() < COUNT {
-            moments.push(products(m, &states, 1.0));
-            moments.push(products(k, &states, squared_step));
-            for state in &mut states {
-                let mut force = vec![0.0; state.len()];
-                k.multiply(state, &mut force);
-                force.iter_mut().for_each(|f| *f *= squared_step);
-                solve(m, &mut force);
-                *state = force;
-            }
+            moments.push(products(&reaches, 1.0, |reach| &reach.mass));
+            moments.push(products(&reaches, squared_step, |reach| &reach.stiffness));
+            reaches.iter_mut().for_each(|reach| reach.advance(squared_step));
         }
         Self(moments)
     }
@@ -64,14 +102,13 @@ impl Moments {
 }
 
 /// factor x_i'A x_j of neighbouring states.
-fn products(matrix: &Tridiagonal, states: &[Vec<f64>], factor: f64) -> Tridiagonal {
-    let mut image = vec![0.0; matrix.diagonal.len()];
+fn products(reaches: &[Reach], factor: f64, matrix: impl Fn(&Reach) -> &Tridiagonal) -> Tridiagonal {
     let mut found = Tridiagonal::default();
-    for (j, state) in states.iter().enumerate() {
-        matrix.multiply(state, &mut image);
-        let with = |other: &Vec<f64>| factor * other.iter().zip(&image).map(|(a, b)| a * b).sum::<f64>();
-        found.diagonal.push(with(state));
-        found.off_diagonal.extend(states.get(j + 1).map(with));
+    for (j, reach) in reaches.iter().enumerate() {
+        let mut image = vec![0.0; reach.state.len()];
+        matrix(reach).multiply(&reach.state, &mut image);
+        found.diagonal.push(factor * reach.dot(reach, &image));
+        found.off_diagonal.extend(reaches.get(j + 1).map(|next| factor * reach.dot(next, &image)));
     }
     found
 }
