@@ -97,6 +97,8 @@ pub mod cli;
 pub mod error;
 pub mod fem;
 pub mod impact;
+pub mod matrices;
+pub mod mesh;
 pub mod penalty;
 pub mod pencil;
 #[cfg(feature = "plot")]

@@ -7,12 +7,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 16] = [
+const MAY_NAME: [(&str, &[&str]); 18] = [
     ("error", &["plot"]), // the error of a figure carries what the drawing layer said
     ("scene", &["error"]),
     ("fem", &["error", "scene", "pencil"]),
     ("pencil", &[]),
     ("sparse", &[]),
+    ("mesh", &["error", "scene", "fem", "sparse"]),
+    ("matrices", &["error", "scene", "sparse"]),
     ("penalty", &["error", "scene", "fem", "pencil"]),
     ("spectrum", &["error", "pencil"]),
     ("stability", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit
