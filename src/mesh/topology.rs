@@ -55,6 +55,22 @@ impl Mesh {
         self.connectivity.extend(nodes);
     }
 
+    /// Moves every corner by `f`, and the nodes of edges with the corners at their ends, so that edges stay straight.
+    pub fn distort(&mut self, f: impl Fn(Coordinates) -> Coordinates) {
+        let old = std::mem::take(&mut self.nodes);
+        self.nodes = old.iter().map(|x| f(*x)).collect();
+        for e in 0..self.elements() {
+            let (element, nodes) = (self.kind(e).element(), self.element(e).to_vec());
+            for a in element.corners()..nodes.len() {
+                if let Some([b, c]) = element.edge_of(a) {
+                    let [b, c] = [b, c].map(|end| self.nodes[nodes[end] as usize]);
+                    self.nodes[nodes[a] as usize] = std::array::from_fn(|i| 0.5 * (b[i] + c[i]));
+                }
+            }
+        }
+        self.congruent = None;
+    }
+
     /// The nodes of a face and the element that it is.
     pub fn face(&self, face: Face) -> (Vec<u32>, &'static dyn Element) {
         let element = self.kind(face.element as usize).element();
