@@ -16,7 +16,7 @@ use bipenalty::mesh::{Assembled, Body, Elements, MeshScene};
 use bipenalty::sparse::{Csr, Mass};
 use faer::{Mat, Side};
 
-pub fn material(nu: f64) -> Material {
+pub(crate) fn material(nu: f64) -> Material {
     Material { youngs_modulus: 2.5, poissons_ratio: nu, density: 1.7, thickness: 1.0 }
 }
 
@@ -59,7 +59,13 @@ fn spectrum(assembled: &Assembled) -> Vec<f64> {
     eigenvalues(&dense(&assembled.stiffness), &dense_mass(&assembled.mass))
 }
 
-fn element_spectrum(kind: Kind, nodes: &[Coordinates], nu: f64, plane: Option<Plane>, gamma: f64) -> Vec<f64> {
+fn element_spectrum(
+    kind: Kind,
+    nodes: &[Coordinates],
+    nu: f64,
+    plane: Option<Plane>,
+    gamma: f64,
+) -> Vec<f64> {
     let element = kind.element();
     let computed = ElementMatrices::new(element, nodes, &material(nu), plane).unwrap();
     let (n, d, mass) = (nodes.len(), element.dimension(), computed.mass(element, gamma));
@@ -68,12 +74,12 @@ fn element_spectrum(kind: Kind, nodes: &[Coordinates], nu: f64, plane: Option<Pl
     eigenvalues(&k, &m)
 }
 
-pub fn plane(kind: Kind) -> Option<Plane> {
+pub(crate) fn plane(kind: Kind) -> Option<Plane> {
     (kind.element().dimension() == 2).then_some(Plane::Strain)
 }
 
 /// The nodes of a box's mesh, moved by `f`, with its elements.
-pub fn body(kind: Kind, cells: [usize; 3], f: impl Fn(Coordinates) -> Coordinates) -> Body {
+pub(crate) fn body(kind: Kind, cells: [usize; 3], f: impl Fn(Coordinates) -> Coordinates) -> Body {
     let cells = if kind.element().dimension() == 2 { [cells[0], cells[1], 1] } else { cells };
     let cuboid = Cuboid { size: [2.0, 1.5, 1.0], cells, origin: [0.3, -0.2, 0.1], kind };
     let mut mesh = cuboid.mesh();
@@ -86,9 +92,13 @@ fn elements(kind: Kind, cells: [usize; 3], gamma: f64, f: impl Fn(Coordinates) -
 }
 
 /// A bend that changes every element's shape and keeps every Jacobian positive.
-pub fn bend(x: Coordinates) -> Coordinates {
+pub(crate) fn bend(x: Coordinates) -> Coordinates {
     let [a, b, c] = x;
-    [a + 0.1 * (2.0 * b).sin() + 0.05 * a * c, b + 0.08 * (3.0 * a).cos() + 0.04 * c * c, c * (1.0 + 0.1 * a * b)]
+    [
+        a + 0.1 * (2.0 * b).sin() + 0.05 * a * c,
+        b + 0.08 * (3.0 * a).cos() + 0.04 * c * c,
+        c * (1.0 + 0.1 * a * b),
+    ]
 }
 
 #[test]
@@ -96,7 +106,8 @@ fn element_matrices_are_those_of_an_independent_assembler() {
     let table: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string("tests/data/elements.json").unwrap()).unwrap();
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
-    let numbers = |value: &serde_json::Value| value.as_array().unwrap().iter().map(number).collect::<Vec<_>>();
+    let numbers =
+        |value: &serde_json::Value| value.as_array().unwrap().iter().map(number).collect::<Vec<_>>();
     let of = &table["material"];
     let rows = table["elements"].as_array().unwrap();
     assert_eq!(rows.len(), 12, "four plane elements twice, four of space");
@@ -119,7 +130,8 @@ fn element_matrices_are_those_of_an_independent_assembler() {
             assert_eq!(lower.len(), size * (size + 1) / 2);
             let largest = lower.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             for (at, (i, j)) in (0..size).flat_map(|i| (0..=i).map(move |j| (i, j))).enumerate() {
-                let error = (ours[i * size + j] - lower[at]).abs().max((ours[j * size + i] - lower[at]).abs());
+                let error =
+                    (ours[i * size + j] - lower[at]).abs().max((ours[j * size + i] - lower[at]).abs());
                 assert!(error < 1e-12 * largest, "{name} {plane:?} ({i}, {j}): {error:e} of {largest}");
             }
         }
@@ -153,7 +165,8 @@ fn constant_strain_passes_the_patch_test() {
         let (mu, lambda) = (e / (2.0 * (1.0 + nu)), e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)));
         let trace: f64 = (0..d).map(|i| strain(i, i)).sum();
         let square: f64 = (0..d).flat_map(|i| (0..d).map(move |j| strain(i, j).powi(2))).sum();
-        let mass: f64 = (0..elements.len()).map(|e| elements.matrices(e).unwrap().1.iter().sum::<f64>()).sum();
+        let mass: f64 =
+            (0..elements.len()).map(|e| elements.matrices(e).unwrap().1.iter().sum::<f64>()).sum();
         let exact = (lambda * trace * trace + 2.0 * mu * square) * mass / 1.7;
         let energy: f64 = u.iter().zip(&force).map(|(u, f)| u * f).sum();
         assert!((energy / exact - 1.0).abs() < 1e-12, "{kind:?}: {energy} {exact}");
@@ -212,11 +225,17 @@ fn row_sums_of_second_order_are_refused() {
 fn squares_and_cubes_have_their_closed_form() {
     let (nu, a) = (0.3, 0.7);
     let unit = 2.5 / 1.7 / (a * a);
-    let nodes = |kind: Kind| kind.element().nodes().iter().map(|x| x.map(|x| 0.5 * a * x)).collect::<Vec<_>>();
+    let nodes =
+        |kind: Kind| kind.element().nodes().iter().map(|x| x.map(|x| 0.5 * a * x)).collect::<Vec<_>>();
     let strain = (1.0 + nu) * (1.0 - 2.0 * nu);
     let cases = [
         (Kind::Quad4, Some(Plane::Stress), 1.0, 4.0 / (1.0 - nu)),
-        (Kind::Quad4, Some(Plane::Stress), 0.0, f64::max(12.0 / (1.0 - nu), 6.0 * (3.0 - nu) / (1.0 - nu * nu))),
+        (
+            Kind::Quad4,
+            Some(Plane::Stress),
+            0.0,
+            f64::max(12.0 / (1.0 - nu), 6.0 * (3.0 - nu) / (1.0 - nu * nu)),
+        ),
         (Kind::Quad4, Some(Plane::Strain), 1.0, 4.0 / strain),
         (Kind::Quad4, Some(Plane::Strain), 0.0, f64::max(12.0, 6.0 * (3.0 - 4.0 * nu)) / strain),
         (Kind::Hex8, None, 1.0, 10.0),

@@ -7,5 +7,5 @@ mod check;
 mod reader;
 mod scene;
 
-pub use reader::{Entries, Form};
+pub use reader::{Entries, Form, parse, read};
 pub use scene::{Matrices, MatrixScene, Reference};

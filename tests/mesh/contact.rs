@@ -3,18 +3,18 @@
 use bipenalty::fem::MassMatrix;
 use bipenalty::mesh::{Assembled, HELD, MeshScene};
 
-pub fn box_text(name: &str, size: &str, cells: &str, origin: &str, element: &str) -> String {
+pub(crate) fn box_text(name: &str, size: &str, cells: &str, origin: &str, element: &str) -> String {
     format!(
         "[[body]]\nname = \"{name}\"\nbox = {size}\ncells = {cells}\norigin = {origin}\nelement = \"{element}\"\n\
          youngs_modulus = 2.0\npoissons_ratio = 0.3\ndensity = 1.5\n"
     )
 }
 
-pub const PLANE: &str = "name = \"two\"\ndimension = 2\nplane = \"strain\"\n";
-pub const SPACE: &str = "name = \"two\"\ndimension = 3\n";
+pub(crate) const PLANE: &str = "name = \"two\"\ndimension = 2\nplane = \"strain\"\n";
+pub(crate) const SPACE: &str = "name = \"two\"\ndimension = 3\n";
 const MEET: &str = "[[contact]]\nsurfaces = [\"a.bottom\", \"b.top\"]\n";
 
-pub fn assemble(text: &str) -> Assembled {
+pub(crate) fn assemble(text: &str) -> Assembled {
     MeshScene::parse(text, "two.toml").unwrap().assemble(MassMatrix::LUMPED).unwrap()
 }
 
@@ -39,11 +39,27 @@ fn gap_rates(assembled: &Assembled, u: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> 
 /// by as much; a linear field that both share opens none, wherever the nodes project.
 #[test]
 fn gaps_see_the_relative_motion_of_two_bodies() {
-    for (element, depth) in [("tri3", 0), ("tri6", 0), ("quad4", 0), ("quad8", 0), ("tet4", 1), ("tet10", 1), ("hex8", 1), ("hex20", 1)] {
+    for (element, depth) in [
+        ("tri3", 0),
+        ("tri6", 0),
+        ("quad4", 0),
+        ("quad8", 0),
+        ("tet4", 1),
+        ("tet10", 1),
+        ("hex8", 1),
+        ("hex20", 1),
+    ] {
         let (size, head) = if depth == 0 { ("[1.0, 1.0]", PLANE) } else { ("[1.0, 1.0, 1.0]", SPACE) };
         let (upper, lower) = if depth == 0 { ("[4, 2]", "[3, 2]") } else { ("[4, 2, 3]", "[3, 1, 2]") };
-        let (above, below) = if depth == 0 { ("[0.1, 0.0]", "[0.0, -1.0]") } else { ("[0.1, 0.0, 0.05]", "[0.0, -1.0, 0.0]") };
-        let text = [head, &box_text("a", size, upper, above, element), &box_text("b", size, lower, below, element), MEET].concat();
+        let (above, below) =
+            if depth == 0 { ("[0.1, 0.0]", "[0.0, -1.0]") } else { ("[0.1, 0.0, 0.05]", "[0.0, -1.0, 0.0]") };
+        let text = [
+            head,
+            &box_text("a", size, upper, above, element),
+            &box_text("b", size, lower, below, element),
+            MEET,
+        ]
+        .concat();
         let assembled = assemble(&text);
         assert!(assembled.contacts.len() > 3, "{element}");
         for rate in gap_rates(&assembled, |_, _| [0.3, -0.7, 0.2]) {
@@ -73,13 +89,21 @@ fn matching_meshes_meet_node_to_node_and_keep_their_distance() {
         assert_eq!(weights, [-1.0, 1.0]);
         assert_eq!(contact.initial_gap, -0.25, "open by 0.25 m");
     }
-    assert_eq!(assembled.contacts[2].place.to_string(), format!("at ({}, 0.25), between a and b", 2.0 * (2.0 / 7.0)));
+    assert_eq!(
+        assembled.contacts[2].place.to_string(),
+        format!("at ({}, 0.25), between a and b", 2.0 * (2.0 / 7.0))
+    );
 }
 
 /// A bar of one row of elements with nu = 0 on its end: w = z'Kz/(z'z)^2 = K_ii of the corner node.
 #[test]
 fn the_scale_is_the_stiffness_of_the_softer_side() {
-    let text = [PLANE, &box_text("a", "[2.0, 1.0]", "[4, 2]", "[0.0, 0.0]", "quad4"), "[[contact]]\nsurfaces = [\"a.bottom\", \"wall\"]\n"].concat();
+    let text = [
+        PLANE,
+        &box_text("a", "[2.0, 1.0]", "[4, 2]", "[0.0, 0.0]", "quad4"),
+        "[[contact]]\nsurfaces = [\"a.bottom\", \"wall\"]\n",
+    ]
+    .concat();
     let assembled = assemble(&text);
     assert_eq!(assembled.contacts.len(), 5);
     for contact in &assembled.contacts {
@@ -87,8 +111,11 @@ fn the_scale_is_the_stiffness_of_the_softer_side() {
         assert_eq!((z, contact.initial_gap), (-1.0, 0.0), "down is into the wall");
         assert_eq!(contact.scale, assembled.stiffness.get(dof as usize, dof as usize));
     }
-    let soft = box_text("b", "[2.0, 1.0]", "[4, 2]", "[0.0, -1.0]", "quad4").replace("youngs_modulus = 2.0", "youngs_modulus = 0.5");
-    let pair = assemble(&[PLANE, &box_text("a", "[2.0, 1.0]", "[4, 2]", "[0.0, 0.0]", "quad4"), &soft, MEET].concat());
+    let soft = box_text("b", "[2.0, 1.0]", "[4, 2]", "[0.0, -1.0]", "quad4")
+        .replace("youngs_modulus = 2.0", "youngs_modulus = 0.5");
+    let pair = assemble(
+        &[PLANE, &box_text("a", "[2.0, 1.0]", "[4, 2]", "[0.0, 0.0]", "quad4"), &soft, MEET].concat(),
+    );
     for (pair, wall) in pair.contacts.iter().zip(&assembled.contacts) {
         assert!((pair.scale / wall.scale - 0.25).abs() < 1e-14, "{} {}", pair.scale, wall.scale);
     }
@@ -104,7 +131,9 @@ fn supports_remove_degrees_of_freedom() {
     for (at, dof) in of.dofs.iter().enumerate() {
         let place = of.bodies[0].mesh.nodes[at / 2];
         assert_eq!(*dof == HELD, place[0] == 0.0 && at % 2 == 0);
-        for (other, column) in of.dofs.iter().enumerate().filter(|(_, column)| *dof != HELD && **column != HELD) {
+        for (other, column) in
+            of.dofs.iter().enumerate().filter(|(_, column)| *dof != HELD && **column != HELD)
+        {
             assert_eq!(held.stiffness.get(*dof as usize, *column as usize), free.stiffness.get(at, other));
         }
     }
