@@ -53,6 +53,8 @@ struct Patch {
     centre: Coordinates,
     /// No node is farther from the centre.
     radius: f64,
+    /// The normal of a face whose nodes lie in one plane.
+    flat: Option<Coordinates>,
 }
 
 /// x and its tangents dx/dxi_i at reference coordinates, with the weights N.
@@ -70,7 +72,11 @@ impl Patch {
         let centre = std::array::from_fn(|i| places.iter().map(|x| x[i]).sum::<f64>() / n);
         let distance = |x: &Coordinates| dot(&minus(x, &centre), &minus(x, &centre)).sqrt();
         let radius = places.iter().map(distance).fold(0.0, f64::max);
-        Self { nodes, places, element, centre, radius }
+        let mut patch = Self { nodes, places, element, centre, radius, flat: None };
+        let normal = patch.normal(&patch.at(if element.is_simplex() { [1.0 / 3.0; 3] } else { [0.0; 3] }));
+        let off = |x: &Coordinates| dot(&minus(x, &centre), &normal).abs();
+        patch.flat = patch.places.iter().all(|x| off(x) <= SAME * radius).then_some(normal);
+        patch
     }
 
     fn at(&self, reference: Coordinates) -> At {
@@ -142,13 +148,11 @@ impl Patch {
         if distance - self.radius > best {
             return true;
         }
-        let corners = self.element.corners();
-        if self.places.len() > corners || corners == 4 {
-            return false;
-        }
-        let normal = self.normal(&self.at([0.0; 3]));
-        let height = dot(&off, &normal);
-        (distance * distance - height * height).max(0.0).sqrt() > self.radius * (1.0 + SAME) + SAME * distance
+        let Some(normal) = &self.flat else { return false };
+        let height = dot(&off, normal);
+        // Between its nodes an edge of second order stays within twice their distance from the centre.
+        let reach = if self.element.order() == 1 { self.radius } else { 2.0 * self.radius };
+        (distance * distance - height * height).max(0.0).sqrt() > reach * (1.0 + SAME) + SAME * distance
     }
 }
 

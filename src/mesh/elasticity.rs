@@ -134,27 +134,19 @@ impl ElementMatrices {
         plane: Option<Plane>,
     ) -> Result<Self, Refusal> {
         let (n, d) = (nodes.len(), element.dimension());
-        let (lambda, mu) = material.lame(plane);
         let size = n * d;
+        let (lambda, mu) = material.lame(plane);
         let (mut stiffness, mut mass) = (vec![0.0; size * size], vec![0.0; n * n]);
         for sample in samples(element, nodes)? {
-            let (lambda, mu) =
-                (lambda * material.thickness * sample.volume, mu * material.thickness * sample.volume);
-            let inertia = material.density * material.thickness * sample.volume;
+            let volume = material.thickness * sample.volume;
+            match d {
+                2 => add_stiffness::<2>(&mut stiffness, &sample, n, lambda * volume, mu * volume),
+                _ => add_stiffness::<3>(&mut stiffness, &sample, n, lambda * volume, mu * volume),
+            }
             for a in 0..n {
-                let ga = &sample.gradients[a];
-                for b in a..n {
-                    let gb = &sample.gradients[b];
-                    mass[a * n + b] += inertia * sample.values[a] * sample.values[b];
-                    let shear = mu * (0..d).map(|i| ga[i] * gb[i]).sum::<f64>();
-                    for i in 0..d {
-                        let row = (a * d + i) * size + b * d;
-                        for j in 0..d {
-                            stiffness[row + j] += lambda * ga[i] * gb[j] + mu * ga[j] * gb[i];
-                        }
-                        stiffness[row + i] += shear;
-                    }
-                }
+                let inertia = material.density * volume * sample.values[a];
+                let row = &mut mass[a * n + a..(a + 1) * n];
+                row.iter_mut().zip(&sample.values[a..]).for_each(|(m, value)| *m += inertia * value);
             }
         }
         mirror(&mut stiffness, size);
@@ -191,6 +183,22 @@ impl ElementMatrices {
         let lumped = self.diagonal(element, Lumping::of(element));
         lumped.iter().enumerate().for_each(|(a, m)| mass[a * n + a] += gamma * m);
         mass
+    }
+}
+
+/// Adds one quadrature point to the blocks (a, b) with a <= b.
+fn add_stiffness<const D: usize>(stiffness: &mut [f64], sample: &Sample, n: usize, lambda: f64, mu: f64) {
+    for (a, ga) in sample.gradients[..n].iter().enumerate() {
+        for (b, gb) in sample.gradients[..n].iter().enumerate().skip(a) {
+            let shear = mu * (0..D).map(|i| ga[i] * gb[i]).sum::<f64>();
+            for i in 0..D {
+                let row = &mut stiffness[(a * D + i) * n * D + b * D..][..D];
+                for j in 0..D {
+                    row[j] += lambda * ga[i] * gb[j] + mu * ga[j] * gb[i];
+                }
+                row[i] += shear;
+            }
+        }
     }
 }
 
