@@ -100,7 +100,7 @@ fn too_large(matrix: &Csr, diagonal: &[f64]) -> Option<(u32, u32, f64)> {
 }
 
 fn positive(file: &Entries, diagonal: &[f64], entry: impl Fn(u32) -> (u32, u32)) -> Result<(), Refusal> {
-    let Some(row) = diagonal.iter().position(|m| !(*m > 0.0)) else { return Ok(()) };
+    let Some(row) = diagonal.iter().position(|m| *m <= 0.0) else { return Ok(()) };
     let (i, j) = entry(row as u32);
     let value = format!("mass {} of unknown {}", diagonal[row], row + 1);
     Err(Refusal::new(file.place(file.line_of(i, j)), value, "a mass above 0 for every unknown"))
@@ -146,7 +146,7 @@ pub(super) fn scales(file: &Entries, count: usize) -> Result<Vec<f64>, Refusal> 
     }
     let mut scales = vec![0.0; count];
     file.entries.iter().for_each(|(row, _, value)| scales[*row as usize] += value);
-    match scales.iter().position(|w| !(*w > 0.0)) {
+    match scales.iter().position(|w| *w <= 0.0) {
         None => Ok(scales),
         Some(at) => {
             let place = file.place(file.line_of(at as u32, 0));

@@ -84,6 +84,9 @@ pub fn parse(text: &str, path: &Path) -> Result<Entries, Refusal> {
     if market { lines.matrix_market() } else { lines.abaqus() }
 }
 
+/// (node, dof) of a row and of a column.
+type Labels = [(i64, i64); 2];
+
 struct Lines<'a> {
     path: &'a Path,
     text: &'a str,
@@ -215,7 +218,7 @@ impl<'a> Lines<'a> {
 
     /// Abaqus writes no sizes: the matrix is square and the largest index, or the number of (node, dof), its size.
     fn abaqus(&self) -> Result<Entries, Refusal> {
-        let mut read: Vec<([(i64, i64); 2], f64, u32)> = Vec::new();
+        let mut read: Vec<(Labels, f64, u32)> = Vec::new();
         let mut fields = 0;
         for (line, text) in self.data("**") {
             let words: Vec<&str> = text.split([',', ' ', '\t']).filter(|word| !word.is_empty()).collect();

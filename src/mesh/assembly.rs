@@ -184,12 +184,10 @@ impl Elements {
         let unknowns = self.unknowns();
         let mut starts = Vec::with_capacity(unknowns + 1);
         starts.push(0);
-        for body in 0..self.bodies.len() {
+        for (body, adjacency) in adjacency.iter().enumerate() {
             let nodes = 0..self.bodies[body].mesh.nodes.len();
-            let lengths: Vec<Vec<usize>> = nodes
-                .into_par_iter()
-                .map(|node| self.row_lengths(&adjacency[body], body, node, part))
-                .collect();
+            let lengths: Vec<Vec<usize>> =
+                nodes.into_par_iter().map(|node| self.row_lengths(adjacency, body, node, part)).collect();
             for length in lengths.into_iter().flatten() {
                 starts.push(starts[starts.len() - 1] + length);
             }

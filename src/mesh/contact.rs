@@ -18,6 +18,9 @@ use super::topology::{Face, Mesh};
 /// the same place.
 pub(super) const SAME: f64 = 1.490_116_119_384_765_6e-8;
 
+/// Face sizes from the middle of a face: a point whose projection is farther off does not come back onto the face.
+const FAR: f64 = 1e3;
+
 /// A surface of a body.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface<'a> {
@@ -123,7 +126,7 @@ impl Patch {
                 return self.inside(reference);
             }
             // Far outside and going: a curved face that does not face this node. Also ends on NaN.
-            if !(reference[0].abs().max(reference[1].abs()) < 1e3) {
+            if reference.iter().any(|r| !r.is_finite() || r.abs() > FAR) {
                 return None;
             }
         }

@@ -24,6 +24,9 @@
 //! # Ok::<(), bipenalty::error::Error>(())
 //! ```
 
+// The indices of loops are those of the formulas.
+#![allow(clippy::needless_range_loop)]
+
 pub mod assembly;
 mod contact;
 pub mod elasticity;
