@@ -52,7 +52,7 @@ enum Part {
 }
 
 impl Elements {
-    /// Numbers the elements and nodes of `bodies` one after the other; `held` lists the (node, direction) of supports.
+    /// Numbers the elements and nodes of `bodies` one after the other; every degree of freedom is free until [`Self::hold`].
     pub fn new(bodies: Vec<Body>, dimension: usize, plane: Option<Plane>, gamma: f64) -> Self {
         let mut first = vec![(0, 0)];
         for (i, body) in bodies.iter().enumerate() {
