@@ -100,7 +100,9 @@
 pub mod error;
 pub mod fem;
 pub mod impact;
+pub mod matrices;
 pub mod memory;
+pub mod mesh;
 pub mod penalty;
 pub mod pencil;
 pub mod scene;
