@@ -94,6 +94,7 @@
 
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod convex;
 pub mod error;
 pub mod fem;
 pub mod impact;

@@ -7,12 +7,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 16] = [
+const MAY_NAME: [(&str, &[&str]); 17] = [
     ("error", &["plot"]), // the error of a figure carries what the drawing layer said
     ("scene", &["error"]),
     ("fem", &["error", "scene", "pencil"]),
     ("pencil", &[]),
     ("sparse", &[]),
+    ("convex", &["error", "sparse"]),
     ("penalty", &["error", "scene", "fem", "pencil"]),
     ("spectrum", &["error", "pencil"]),
     ("stability", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit
