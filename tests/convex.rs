@@ -113,7 +113,7 @@ fn lower_and_upper_bounds_are_convex_and_close_on_two_blocks() {
     let blocks = Blocks::new(12, 8, [1.0, 0.5]);
     let pencil = blocks.pencil();
     let mut curve = Curve::new(&pencil, Options { tolerance: 1e-5, ..Options::default() }).unwrap();
-    let asked: Vec<Asked> = (-40..=80)
+    let asked: Vec<Asked> = (-40_i32..=80)
         .map(|i| Asked {
             stiffness: f64::from(i).signum() * (f64::from(i.abs()) / 10.0).exp() / 50.0,
             mass: 0.0,
@@ -196,7 +196,7 @@ fn a_bar_as_matrices_gives_the_closed_form() {
         for r in [2.0_f64, 50.0, f64::INFINITY] {
             let theta = (2.0 * x - 1.0).acosh();
             let beta_s = (4.0 * x * (x - 1.0)).sqrt() * (f64::from(n) * theta).tanh() / (1.0 - x / r);
-            if beta_s <= 0.0 {
+            if beta_s <= 0.0 || x == r {
                 continue;
             }
             let enclosed = curve.enclose(&[Asked { stiffness: beta_s, mass: beta_s / (4.0 * r) }])[0];
@@ -226,4 +226,88 @@ fn refused_are_matrices_that_are_none() {
     let indefinite = Csr::from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 1.0), (0, 1, 2.0), (1, 0, 2.0)]);
     let pencil = MeshPencil::new(k, Mass::Sparse(indefinite), gap(&[(0, 1.0)], 1.0)).unwrap();
     assert!(Curve::new(&pencil, Options::default()).is_err());
+}
+
+/// The map of issue size: 100 x 100 points of two blocks, to 1e-3.
+fn map(width: usize, height: usize, patches: Option<f64>) -> (Vec<Enclosed>, f64) {
+    let start = std::time::Instant::now();
+    let blocks = Blocks::new(width, height, [1.0, 0.5]);
+    let pencil = blocks.pencil();
+    println!("{} unknowns, assembled {:?}", pencil.size(), start.elapsed());
+    let options = Options::default();
+    let mut curve = match patches {
+        Some(size) => {
+            let patches = blocks.patches(&pencil, size);
+            println!("patches {:?}, largest {}", patches.counts(), patches.largest());
+            Curve::with(&pencil, Prover::Patches(Box::new(patches)), options).unwrap()
+        }
+        None => Curve::new(&pencil, options).unwrap(),
+    };
+    println!("begun {:?} {:?}", start.elapsed(), curve.effort());
+    let mesh = curve.mesh();
+    let log = |i: usize, low: f64, high: f64| low * (high / low).powf(i as f64 / 99.0);
+    let asked: Vec<Asked> = (0..100)
+        .flat_map(|i| {
+            (0..100).map(move |j| (log(i, 1e-3, 1e9), if j == 99 { f64::INFINITY } else { log(j, 0.1, 1e3) }))
+        })
+        .map(|(stiffness, ratio)| Asked { stiffness, mass: stiffness / (ratio * mesh) })
+        .collect();
+    let found = curve.enclose(&asked);
+    let widest = found.iter().map(Enclosed::step_width).fold(0.0, f64::max);
+    println!(
+        "map {:?}: widest {widest:e}, {:?}, {} vectors",
+        start.elapsed(),
+        curve.effort(),
+        curve.dimension()
+    );
+    (found, widest)
+}
+
+#[test]
+fn a_map_of_ten_thousand_points_is_enclosed_to_a_thousandth() {
+    let (found, widest) = map(30, 20, None);
+    assert_eq!(found.len(), 10_000);
+    assert!(widest <= 1e-3, "{widest:e}");
+}
+
+#[test]
+#[ignore = "takes a minute"]
+fn a_map_of_a_hundred_and_sixty_thousand_unknowns() {
+    assert!(map(283, 140, None).1 <= 1e-3);
+}
+
+#[test]
+#[ignore = "takes a minute"]
+fn a_map_of_a_hundred_and_sixty_thousand_unknowns_by_patches() {
+    assert!(map(283, 140, Some(20.0)).1 <= 1e-3);
+}
+
+#[test]
+#[ignore = "debug"]
+fn debug_case() {
+    let mut random = Random(7);
+    for case in 0..8 {
+        let pencil = random_pencil(&mut random);
+        let mesh = dense_largest(&pencil, 1.0, 0.0);
+        let asked: Vec<Asked> = (0..6)
+            .map(|i| {
+                let stiffness = random.log(1e-6, 1e12);
+                let ratio = if i == 0 { f64::INFINITY } else { random.log(1e-2, 1e3) };
+                Asked { stiffness, mass: stiffness / (ratio * mesh) }
+            })
+            .collect();
+        if case < 6 {
+            continue;
+        }
+        let mut curve = Curve::new(&pencil, Options::default()).unwrap();
+        println!("n {} k {} mesh {mesh} mu {}", pencil.size(), pencil.contacts().len(), curve.upper().slope());
+        for t in [0.0, -1.0, -10.0, -1e2, -1e4, -1e5, -1.86e5, -1e6, -1e7] {
+            println!("{t:e}: {}", dense_largest(&pencil, 1.0, t));
+        }
+        let found = curve.enclose(&asked);
+        println!("{asked:?}\n{found:?}\n{:?}\n{:?}", curve.upper(), curve.effort());
+        for t in [0.0, -1.0, -10.0, -1e2, -1e4, -1e5, -1.86e5, -1e6, -1e7] {
+            println!("{t:e}: {}", curve.lower_at(t));
+        }
+    }
 }

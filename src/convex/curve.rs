@@ -207,7 +207,7 @@ impl<'a> Curve<'a> {
 
     /// Adds the top vector at t to the subspace; the change of the lower bound there, relative.
     fn sample(&mut self, t: f64, closed: bool) -> f64 {
-        let mut tolerance = 0.05 * self.goal();
+        let tolerance = 0.05 * self.goal();
         let before = (self.subspace.dimension() > 0).then(|| self.subspace.ritz(t));
         let start = before.as_ref().map(|y| self.subspace.vector(y));
         if let (Some(start), false) = (&start, closed) {
@@ -216,13 +216,7 @@ impl<'a> Curve<'a> {
                 return 0.0;
             }
         }
-        tolerance = tolerance.max(1e-12);
-        let search = Search {
-            basis: self.options.basis,
-            tolerance,
-            most_products: self.options.most_products,
-            closed,
-        };
+        let search = self.search(closed);
         let combination = (1.0, if closed { 0.0 } else { t });
         let found = largest(&self.operator, combination, start.as_deref(), &search);
         self.effort.eigenproblems += 1;
@@ -253,13 +247,47 @@ impl<'a> Curve<'a> {
     }
 
     /// Proves a point at t, close above the lower bound; whether it could.
+    ///
+    /// A proof far above says that a better vector was missed: it is looked for once more, from noise.
     fn prove(&mut self, t: f64) -> bool {
+        let mut proven = self.climb_at(t);
         let lower = self.lower_at(t);
-        let proven = self.climb(lower, (1.0, t), 0.25 * self.goal() * lower.abs().max(f64::MIN_POSITIVE));
+        if proven.is_none_or(|u| u - lower > self.goal() * lower.abs()) {
+            let search = self.search(false);
+            let found = largest(&self.operator, (1.0, t), None, &search);
+            self.effort.eigenproblems += 1;
+            self.subspace.add(&self.operator, &found.vector);
+            if self.lower_at(t) - lower > 0.1 * self.goal() * lower.abs() {
+                proven = self.climb_at(t).or(proven);
+            }
+        }
         if let Some(u) = proven {
             self.upper.add(Point { t, u });
         }
         proven.is_some()
+    }
+
+    fn climb_at(&mut self, t: f64) -> Option<f64> {
+        let lower = self.lower_at(t);
+        self.climb(lower, (1.0, t), 0.25 * self.goal() * lower.abs().max(f64::MIN_POSITIVE))
+    }
+
+    fn search(&self, closed: bool) -> Search {
+        let tolerance = (0.05 * self.goal()).max(1e-12);
+        Search { basis: self.options.basis, tolerance, most_products: self.options.most_products, closed }
+    }
+
+    /// Proves points for a t far below 0: there the rounding of t P, not f, limits a proof, and since f does not decrease
+    /// a point at a larger t serves as well. f(t) - f(-infinity) falls like 1/|t|, the rounding grows like |t|.
+    fn prove_far_below(&mut self, t: f64) -> bool {
+        let mut proven = false;
+        for power in 4..13 {
+            let at = -self.unit * 10_f64.powi(power);
+            if at > t {
+                proven |= self.prove(at);
+            }
+        }
+        self.prove(t) || proven
     }
 
     /// Encloses all points asked for to the tolerance where it can; the enclosures say where it could not.
@@ -275,7 +303,9 @@ impl<'a> Curve<'a> {
             self.sample(t, false);
             self.lower_at(t);
             let now = self.bounds(asked[worst]);
-            if now.step_width() > self.options.tolerance && !self.prove(t) {
+            if now.step_width() > self.options.tolerance
+                && !(if t < -1e4 * self.unit { self.prove_far_below(t) } else { self.prove(t) })
+            {
                 hopeless[worst] = true;
             }
             let after = self.bounds(asked[worst]);
@@ -356,6 +386,11 @@ impl<'a> Curve<'a> {
     /// The upper bound so far.
     pub fn upper(&self) -> &Upper {
         &self.upper
+    }
+
+    /// Vectors of the subspace.
+    pub fn dimension(&self) -> usize {
+        self.subspace.dimension()
     }
 
     /// What it took so far.
