@@ -300,7 +300,12 @@ fn debug_case() {
             continue;
         }
         let mut curve = Curve::new(&pencil, Options::default()).unwrap();
-        println!("n {} k {} mesh {mesh} mu {}", pencil.size(), pencil.contacts().len(), curve.upper().slope());
+        println!(
+            "n {} k {} mesh {mesh} mu {}",
+            pencil.size(),
+            pencil.contacts().len(),
+            curve.upper().slope()
+        );
         for t in [0.0, -1.0, -10.0, -1e2, -1e4, -1e5, -1.86e5, -1e6, -1e7] {
             println!("{t:e}: {}", dense_largest(&pencil, 1.0, t));
         }

@@ -252,7 +252,9 @@ impl<'a> Curve<'a> {
     fn prove(&mut self, t: f64) -> bool {
         let mut proven = self.climb_at(t);
         let lower = self.lower_at(t);
-        if proven.is_none_or(|u| u - lower > self.goal() * lower.abs()) {
+        let far = proven.is_none_or(|u| u - lower > self.goal() * lower.abs());
+        // Patches are too high by their nature; that says nothing about the vectors.
+        if far && matches!(self.prover, Prover::Whole(_)) {
             let search = self.search(false);
             let found = largest(&self.operator, (1.0, t), None, &search);
             self.effort.eigenproblems += 1;
@@ -298,26 +300,53 @@ impl<'a> Curve<'a> {
         // Each round adds a point where the widest enclosure is; a round that changes nothing there ends it.
         let mut hopeless = vec![false; asked.len()];
         while let Some(worst) = self.worst(&known, &hopeless) {
-            let t = asked[worst].stiffness - known[worst].lower * asked[worst].mass;
-            let before = known[worst];
-            self.sample(t, false);
-            self.lower_at(t);
-            let now = self.bounds(asked[worst]);
-            if now.step_width() > self.options.tolerance
-                && !(if t < -1e4 * self.unit { self.prove_far_below(t) } else { self.prove(t) })
-            {
+            let before = known[worst].step_width();
+            let t = self.polish(asked[worst]);
+            self.improve(asked[worst], t);
+            known[worst] = self.bounds(asked[worst]);
+            if known[worst].step_width() > 0.9 * before.min(1e300) {
                 hopeless[worst] = true;
+                // Close by nothing else can be expected.
+                let place = |t: f64| (t / self.unit).asinh();
+                for i in 0..asked.len() {
+                    let other = asked[i].stiffness - known[i].lower * asked[i].mass;
+                    hopeless[i] |= (place(other) - place(t)).abs() < 0.05;
+                }
             }
-            let after = self.bounds(asked[worst]);
-            if after.step_width() > 0.9 * before.step_width().min(1e300) {
-                hopeless[worst] = true;
-            }
-            known[worst] = after;
-            // The widest of the others are looked at again only after they come up: their bounds only improve.
             self.renew(asked, &mut known);
         }
         self.effort.products = self.operator.products();
         known
+    }
+
+    /// Follows the lower bound of a point to the t of its solution with the vectors there are; that t.
+    fn polish(&mut self, asked: Asked) -> f64 {
+        let mut lower = self.bounds(asked).lower;
+        // Where m is large, t moves by powers of ten; each round takes one at least, and f64 has 308.
+        for _ in 0..308 {
+            self.lower_at(asked.stiffness - lower * asked.mass);
+            let next = self.bounds(asked).lower;
+            if next - lower <= 0.01 * self.goal() * next.abs() {
+                break;
+            }
+            lower = next;
+        }
+        asked.stiffness - lower * asked.mass
+    }
+
+    /// Samples and proves what is missing at t.
+    fn improve(&mut self, asked: Asked, t: f64) {
+        // Farther below, a search in a large basis would drown in the spectrum of -t P.
+        let few = self.operator.pencil().size() <= self.options.basis;
+        self.sample(if few { t } else { t.max(-1e4 * self.unit) }, false);
+        let t = self.polish(asked);
+        if self.bounds(asked).step_width() > self.options.tolerance {
+            if t < -1e4 * self.unit {
+                self.prove_far_below(t);
+            } else {
+                self.prove(t);
+            }
+        }
     }
 
     fn worst(&self, known: &[Enclosed], hopeless: &[bool]) -> Option<usize> {
