@@ -281,38 +281,3 @@ fn a_map_of_a_hundred_and_sixty_thousand_unknowns() {
 fn a_map_of_a_hundred_and_sixty_thousand_unknowns_by_patches() {
     assert!(map(283, 140, Some(20.0)).1 <= 1e-3);
 }
-
-#[test]
-#[ignore = "debug"]
-fn debug_case() {
-    let mut random = Random(7);
-    for case in 0..8 {
-        let pencil = random_pencil(&mut random);
-        let mesh = dense_largest(&pencil, 1.0, 0.0);
-        let asked: Vec<Asked> = (0..6)
-            .map(|i| {
-                let stiffness = random.log(1e-6, 1e12);
-                let ratio = if i == 0 { f64::INFINITY } else { random.log(1e-2, 1e3) };
-                Asked { stiffness, mass: stiffness / (ratio * mesh) }
-            })
-            .collect();
-        if case < 6 {
-            continue;
-        }
-        let mut curve = Curve::new(&pencil, Options::default()).unwrap();
-        println!(
-            "n {} k {} mesh {mesh} mu {}",
-            pencil.size(),
-            pencil.contacts().len(),
-            curve.upper().slope()
-        );
-        for t in [0.0, -1.0, -10.0, -1e2, -1e4, -1e5, -1.86e5, -1e6, -1e7] {
-            println!("{t:e}: {}", dense_largest(&pencil, 1.0, t));
-        }
-        let found = curve.enclose(&asked);
-        println!("{asked:?}\n{found:?}\n{:?}\n{:?}", curve.upper(), curve.effort());
-        for t in [0.0, -1.0, -10.0, -1e2, -1e4, -1e5, -1.86e5, -1e6, -1e7] {
-            println!("{t:e}: {}", curve.lower_at(t));
-        }
-    }
-}

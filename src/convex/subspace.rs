@@ -106,17 +106,21 @@ impl Subspace {
     /// Adds a vector to the span, unless it lies in it already.
     pub fn add(&mut self, operator: &Operator, x: &[f64]) {
         let (mut x, mut image) = (x.to_vec(), vec![0.0; x.len()]);
+        operator.normalise(&mut x);
         for _ in 0..2 {
-            operator.normalise(&mut x);
             operator.pencil().multiply_mass(&x, &mut image);
             subtract(&self.vectors, &project(&self.vectors, &image), &mut x);
+            operator.pencil().multiply_mass(&x, &mut image);
+            // What is left of a vector of the span is rounding alone, or nothing.
+            let left = dot(&x, &image).sqrt();
+            if left.is_nan()
+                || left <= 1e2 * f64::EPSILON * self.dimension() as f64
+                || self.dimension() == x.len()
+            {
+                return;
+            }
+            operator.normalise(&mut x);
         }
-        operator.pencil().multiply_mass(&x, &mut image);
-        // After two passes a vector of the span is rounding alone.
-        if dot(&x, &image).sqrt() < 1e2 * f64::EPSILON * self.dimension() as f64 {
-            return;
-        }
-        operator.normalise(&mut x);
         self.vectors.push(x);
         let x = &self.vectors[self.vectors.len() - 1];
         operator.pencil().multiply_mass(x, &mut image);
