@@ -321,15 +321,20 @@ impl<'a> Curve<'a> {
 
     /// Follows the lower bound of a point to the t of its solution with the vectors there are; that t.
     fn polish(&mut self, asked: Asked) -> f64 {
+        let at = |lower: f64| asked.stiffness - lower * asked.mass;
         let mut lower = self.bounds(asked).lower;
-        // Where m is large, t moves by powers of ten; each round takes one at least, and f64 has 308.
+        // Where m is large, t moves by powers of ten while l hardly moves; f64 has 308 of them.
         for _ in 0..308 {
-            self.lower_at(asked.stiffness - lower * asked.mass);
+            self.lower_at(at(lower));
             let next = self.bounds(asked).lower;
-            if next - lower <= 0.01 * self.goal() * next.abs() {
+            let moved = (at(next) - at(lower)).abs();
+            let grain = 16.0 * f64::EPSILON * asked.stiffness;
+            let settled =
+                next - lower <= 0.01 * self.goal() * next.abs() && moved <= 0.1 * at(next).abs() + grain;
+            lower = next;
+            if settled {
                 break;
             }
-            lower = next;
         }
         asked.stiffness - lower * asked.mass
     }
