@@ -255,7 +255,11 @@ impl<'a> Curve<'a> {
         let far = proven.is_none_or(|u| u - lower > self.goal() * lower.abs());
         // Patches are too high by their nature; that says nothing about the vectors.
         if far && matches!(self.prover, Prover::Whole(_)) {
-            let search = self.search(false);
+            // Another eigenvalue close by may have been found: a hundred times sharper tells them apart.
+            let usual = self.search(false);
+            let search = Search { tolerance: (0.01 * usual.tolerance).max(1e-13), ..usual };
+            let few = self.operator.pencil().size() <= self.options.basis;
+            let search = Search { tolerance: if few { 0.0 } else { search.tolerance }, ..search };
             let found = largest(&self.operator, (1.0, t), None, &search);
             self.effort.eigenproblems += 1;
             self.subspace.add(&self.operator, &found.vector);
