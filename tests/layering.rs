@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 14] = [
+const MAY_NAME: [(&str, &[&str]); 15] = [
     ("error", &[]),
     ("memory", &["error"]),
     ("scene", &["error"]),
@@ -17,6 +17,7 @@ const MAY_NAME: [(&str, &[&str]); 14] = [
     ("sparse", &[]),
     ("mesh", &["error", "memory", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),
+    ("convex", &["error", "sparse", "pencil"]),
     ("penalty", &["error", "pencil"]),
     ("spectrum", &["error", "sparse", "pencil"]),
     ("stability", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit
