@@ -5,11 +5,16 @@
 
 #[path = "convex/blocks.rs"]
 mod blocks;
+#[path = "common/double_double.rs"]
+mod double_double;
+#[path = "convex/exact.rs"]
+mod exact;
 
-use bipenalty::convex::{Asked, Curve, Enclosed, MeshPencil, Options, Prover};
+use bipenalty::convex::{Asked, Curve, Enclosed, MeshPencil, Options, Prover, TooWide};
 use bipenalty::pencil::{Gap, Matrix};
 use bipenalty::sparse::{Csr, SparseVector};
 use blocks::{Blocks, dense_largest};
+use exact::Exact;
 
 /// Uniform numbers in [0, 1), the same in every run.
 struct Random(u64);
@@ -69,17 +74,17 @@ fn random_contact(random: &mut Random, n: usize) -> Gap {
     Gap { column: SparseVector(entries), scale: random.log(0.1, 10.0), initial: 0.0 }
 }
 
-/// What dense arithmetic may be wrong by at t, relative to l.
-fn dense_error(pencil: &MeshPencil, t: f64, l: f64) -> f64 {
-    let mu = dense_largest(pencil, 0.0, 1.0);
-    let f = dense_largest(pencil, 1.0, 0.0);
-    100.0 * f64::EPSILON * (f + t.abs() * mu) / l
+/// What a point is enclosed by, to the width asked for or not.
+fn enclosure(found: Result<Enclosed, TooWide>) -> Enclosed {
+    found.unwrap_or_else(|wide| wide.enclosed)
 }
 
+/// The limits are those of double-double arithmetic. An enclosure is as narrow as asked, or said to be wider; and wider only
+/// as far as the rounding of t P, relative to l, makes it.
 #[test]
-fn five_hundred_random_pencils_are_enclosed_and_no_wider_than_asked() {
+fn five_hundred_random_pencils_are_enclosed_as_narrowly_as_asked_or_said_to_be_wider() {
     let mut random = Random(7);
-    let (mut wide, mut points) = (0, 0);
+    let mut wide = [0; 2];
     for case in 0..500 {
         let pencil = random_pencil(&mut random);
         let tolerance = if case % 2 == 0 { 1e-3 } else { 1e-6 };
@@ -92,23 +97,41 @@ fn five_hundred_random_pencils_are_enclosed_and_no_wider_than_asked() {
                 Asked { stiffness, mass: stiffness / (ratio * mesh) }
             })
             .collect();
-        for (asked, enclosed) in asked.iter().zip(curve.enclose(&asked)) {
-            let Enclosed { lower, upper } = enclosed;
-            let at = |l: f64| asked.stiffness - l * asked.mass;
-            let error = dense_error(&pencil, at(lower), lower);
-            let place = format!("case {case}, {asked:?}, {enclosed:?}");
-            assert!(dense_largest(&pencil, 1.0, at(lower)) >= lower * (1.0 - error), "{place}");
-            assert!(dense_largest(&pencil, 1.0, at(upper)) <= upper * (1.0 + error), "{place}");
-            points += 1;
-            // Far below t = 0 the rounding of t P limits a proof; a thousandth is always reached.
-            let far = at(lower) < -1e4 * mesh / curve.upper().slope();
-            if enclosed.step_width() > if far { 1e-3 } else { tolerance } {
-                wide += 1;
-                println!("wide: {place} {:e} t = {:e}", enclosed.step_width(), at(lower));
+        let exact = Exact::new(&pencil);
+        for (asked, found) in asked.iter().zip(curve.enclose(&asked)) {
+            let Enclosed { lower, upper } = enclosure(found);
+            let width = enclosure(found).step_width();
+            let place = format!("case {case}, {asked:?}, {found:?}, width {width:e}");
+            let mu = curve.upper().slope();
+            let error = exact.error(lower, mu, *asked);
+            assert!(error < 1e-3 * tolerance, "{place}: the oracle errs by {error:e}");
+            assert!(!exact.above(lower * (1.0 - error), *asked), "{place}");
+            assert!(exact.above(upper * (1.0 + error), *asked), "{place}");
+            assert_eq!(found.is_ok(), width <= tolerance, "{place}");
+            if found.is_err() {
+                let t = asked.stiffness - lower * asked.mass;
+                let rounding = 16.0 * f64::EPSILON * pencil.size() as f64 * t.abs() * mu / lower;
+                assert!(width <= rounding, "{place}: t P rounds by {rounding:e}");
+                wide[case % 2] += 1;
             }
         }
     }
-    assert_eq!(wide, 0, "of {points} points");
+    // Of 1500 points each: those where f nearly vanishes beside t P.
+    println!("wider than asked: {wide:?}");
+    assert!(wide[0] <= 3 && wide[1] <= 45, "{wide:?}");
+}
+
+/// Two masses, of scales 1 and 1e-12 N/m: at t = -5e11 N/m f = 1/2 is what is left of terms of 5e11.
+#[test]
+fn a_width_that_rounding_forbids_is_said() {
+    let unit = || Matrix::Diagonal(vec![1.0; 2]);
+    let gap = |i, scale| Gap { column: SparseVector(vec![(i, 1.0)]), scale, initial: 0.0 };
+    let pencil = MeshPencil::new(unit(), unit(), vec![gap(0, 1.0), gap(1, 1e-12)]).unwrap();
+    let mut curve = Curve::new(&pencil, Options { tolerance: 1e-6, ..Options::default() }).unwrap();
+    let TooWide { enclosed, tolerance } =
+        curve.enclose(&[Asked { stiffness: 5e11, mass: 2e12 }])[0].unwrap_err();
+    assert!(enclosed.lower <= 0.5 && 0.5 <= enclosed.upper && enclosed.upper < 1.0, "{enclosed:?}");
+    assert!(tolerance == 1e-6 && enclosed.step_width() > tolerance);
 }
 
 /// f(t) is convex, nondecreasing, and its slope at most mu.
@@ -123,7 +146,7 @@ fn lower_and_upper_bounds_are_convex_and_close_on_two_blocks() {
             mass: 0.0,
         })
         .collect();
-    let found = curve.enclose(&asked);
+    let found: Vec<Enclosed> = curve.enclose(&asked).into_iter().map(Result::unwrap).collect();
     for (asked, enclosed) in asked.iter().zip(&found) {
         assert!(enclosed.step_width() <= 1e-5, "{asked:?} {enclosed:?}");
         let dense = dense_largest(&pencil, 1.0, asked.stiffness);
@@ -153,12 +176,12 @@ fn patches_lie_above_the_exact_value_and_close_in_on_it() {
     let options = Options { tolerance: 1e-4, ..Options::default() };
     for t in [-3.0, 0.0, 1.0, 30.0] {
         let asked = [Asked { stiffness: t, mass: 0.0 }];
-        let exact = Curve::new(&pencil, options).unwrap().enclose(&asked)[0];
+        let exact = Curve::new(&pencil, options).unwrap().enclose(&asked)[0].unwrap();
         let mut last = f64::INFINITY;
         for size in [1.0, 2.0, 4.0, 12.0] {
             let patches = blocks.patches(&pencil, size);
-            let bound =
-                Curve::with(&pencil, Prover::Patches(Box::new(patches)), options).unwrap().enclose(&asked)[0];
+            let mut curve = Curve::with(&pencil, Prover::Patches(Box::new(patches)), options).unwrap();
+            let bound = enclosure(curve.enclose(&asked)[0]);
             println!("t = {t}, patches of {size}: {:e} too high", bound.upper / exact.upper - 1.0);
             assert!(bound.upper >= exact.lower && bound.lower <= exact.upper, "{bound:?} {exact:?}");
             assert!(bound.upper <= last * 1.001);
@@ -203,7 +226,8 @@ fn a_bar_as_matrices_gives_the_closed_form() {
             if beta_s <= 0.0 || x == r {
                 continue;
             }
-            let enclosed = curve.enclose(&[Asked { stiffness: beta_s, mass: beta_s / (4.0 * r) }])[0];
+            let enclosed =
+                curve.enclose(&[Asked { stiffness: beta_s, mass: beta_s / (4.0 * r) }])[0].unwrap();
             assert!(enclosed.step_width() <= 1e-9, "x = {x}, r = {r}: {enclosed:?}");
             let error = 1e-14 * 4.0 * x / (1.0 - x / r);
             assert!(
@@ -258,7 +282,7 @@ fn map(width: usize, height: usize, patches: Option<f64>) -> (Vec<Enclosed>, f64
         })
         .map(|(stiffness, ratio)| Asked { stiffness, mass: stiffness / (ratio * mesh) })
         .collect();
-    let found = curve.enclose(&asked);
+    let found: Vec<Enclosed> = curve.enclose(&asked).into_iter().map(enclosure).collect();
     let widest = found.iter().map(Enclosed::step_width).fold(0.0, f64::max);
     println!(
         "map {:?}: widest {widest:e}, {:?}, {} vectors",

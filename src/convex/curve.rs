@@ -5,6 +5,7 @@ use super::lanczos::{Search, largest};
 use super::operator::Operator;
 use super::patches::Patches;
 use super::pencil::MeshPencil;
+use super::point::{Asked, Enclosed, TooWide};
 use super::subspace::{Line, Subspace};
 use super::upper::{Point, Upper};
 use super::vectors::dot;
@@ -61,31 +62,6 @@ pub struct Effort {
     pub failed: usize,
     /// Bytes of one factor.
     pub memory: usize,
-}
-
-/// An enclosure of an eigenvalue l = omega^2.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Enclosed {
-    /// Proven lower bound.
-    pub lower: f64,
-    /// Proven upper bound; infinite where none was found.
-    pub upper: f64,
-}
-
-impl Enclosed {
-    /// Relative width of the time step 2/sqrt(l).
-    pub fn step_width(&self) -> f64 {
-        if self.lower > 0.0 { (self.upper / self.lower).sqrt() - 1.0 } else { f64::INFINITY }
-    }
-}
-
-/// A point asked for: l = f(s - l m), that is l_max(K + s P, M + m P).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Asked {
-    /// s = beta_s.
-    pub stiffness: f64,
-    /// m = beta_s/(r omega^2); 0 for r = infinity.
-    pub mass: f64,
 }
 
 /// f of one pencil, with all that is known about it so far.
@@ -255,11 +231,7 @@ impl<'a> Curve<'a> {
         let far = proven.is_none_or(|u| u - lower > self.goal() * lower.abs());
         // Patches are too high by their nature; that says nothing about the vectors.
         if far && matches!(self.prover, Prover::Whole(_)) {
-            // Another eigenvalue close by may have been found: a hundred times sharper tells them apart.
-            let usual = self.search(false);
-            let search = Search { tolerance: (0.01 * usual.tolerance).max(1e-13), ..usual };
-            let few = self.operator.pencil().size() <= self.options.basis;
-            let search = Search { tolerance: if few { 0.0 } else { search.tolerance }, ..search };
+            let search = self.search(false);
             let found = largest(&self.operator, (1.0, t), None, &search);
             self.effort.eigenproblems += 1;
             self.subspace.add(&self.operator, &found.vector);
@@ -296,8 +268,17 @@ impl<'a> Curve<'a> {
         self.prove(t) || proven
     }
 
-    /// Encloses all points asked for to the tolerance where it can; the enclosures say where it could not.
-    pub fn enclose(&mut self, asked: &[Asked]) -> Vec<Enclosed> {
+    /// Encloses all points asked for, one result for each.
+    ///
+    /// # Errors
+    /// Of a point: its enclosure, which holds, is wider than the tolerance. Far below t = 0 the rounding of t P may be as
+    /// large as f itself; patches are too high by what they are too small.
+    pub fn enclose(&mut self, asked: &[Asked]) -> Vec<Result<Enclosed, TooWide>> {
+        let tolerance = self.options.tolerance;
+        self.narrow(asked).into_iter().map(|known| known.within(tolerance)).collect()
+    }
+
+    fn narrow(&mut self, asked: &[Asked]) -> Vec<Enclosed> {
         let mut known = self.known(asked);
         self.sample_for(asked, &known);
         known = self.known(asked);
@@ -314,7 +295,7 @@ impl<'a> Curve<'a> {
                 let patches = matches!(self.prover, Prover::Patches(_));
                 let place = |t: f64| (t / self.unit).asinh();
                 for i in 0..asked.len() {
-                    let other = asked[i].stiffness - known[i].lower * asked[i].mass;
+                    let other = asked[i].place(known[i].lower);
                     hopeless[i] |= patches && (place(other) - place(t)).abs() < 0.05;
                 }
             }
@@ -326,11 +307,10 @@ impl<'a> Curve<'a> {
 
     /// Follows the lower bound of a point to the t of its solution with the vectors there are; that t.
     fn polish(&mut self, asked: Asked) -> f64 {
-        let at = |lower: f64| asked.stiffness - lower * asked.mass;
         let mut lower = self.bounds(asked).lower;
         // Where m is large, t moves by powers of ten while l hardly moves; f64 has 308 of them.
         for _ in 0..308 {
-            let here = self.lower_at(at(lower));
+            let here = self.lower_at(asked.place(lower));
             let next = self.bounds(asked).lower;
             // At the solution f(t) = l: a step of l alone says little, since l may stand still while f does not.
             let settled = here - lower <= 0.01 * self.goal() * next.abs();
@@ -339,7 +319,7 @@ impl<'a> Curve<'a> {
                 break;
             }
         }
-        asked.stiffness - lower * asked.mass
+        asked.place(lower)
     }
 
     /// Samples and proves what is missing at t.
@@ -384,7 +364,7 @@ impl<'a> Curve<'a> {
 
     /// Samples f over the range of t that is asked for, halving intervals of asinh(t/unit) until a sample changes little.
     fn sample_for(&mut self, asked: &[Asked], known: &[Enclosed]) {
-        let t = |i: usize| asked[i].stiffness - known[i].lower * asked[i].mass;
+        let t = |i: usize| asked[i].place(known[i].lower);
         let range = (0..asked.len())
             .map(t)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));

@@ -14,10 +14,12 @@ pub mod lanczos;
 pub mod operator;
 pub mod patches;
 pub mod pencil;
+mod point;
 pub mod subspace;
 pub mod upper;
 mod vectors;
 
-pub use curve::{Asked, Curve, Effort, Enclosed, Options, Prover};
+pub use curve::{Curve, Effort, Options, Prover};
 pub use patches::{Elements, Patches};
 pub use pencil::MeshPencil;
+pub use point::{Asked, Enclosed, TooWide};
