@@ -94,7 +94,7 @@ fn five_hundred_random_pencils_are_enclosed_as_narrowly_as_asked_or_said_to_be_w
             .map(|i| {
                 let stiffness = random.log(1e-6, 1e12);
                 let ratio = if i == 0 { f64::INFINITY } else { random.log(1e-2, 1e3) };
-                Asked { stiffness, mass: stiffness / (ratio * mesh) }
+                Asked::of(stiffness, ratio, mesh)
             })
             .collect();
         let exact = Exact::new(&pencil);
@@ -280,7 +280,7 @@ fn map(width: usize, height: usize, patches: Option<f64>) -> (Vec<Enclosed>, f64
         .flat_map(|i| {
             (0..100).map(move |j| (log(i, 1e-3, 1e9), if j == 99 { f64::INFINITY } else { log(j, 0.1, 1e3) }))
         })
-        .map(|(stiffness, ratio)| Asked { stiffness, mass: stiffness / (ratio * mesh) })
+        .map(|(stiffness, ratio)| Asked::of(stiffness, ratio, mesh))
         .collect();
     let found: Vec<Enclosed> = curve.enclose(&asked).into_iter().map(enclosure).collect();
     let widest = found.iter().map(Enclosed::step_width).fold(0.0, f64::max);

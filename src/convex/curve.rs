@@ -308,12 +308,11 @@ impl<'a> Curve<'a> {
     /// Follows the lower bound of a point to the t of its solution with the vectors there are; that t.
     fn polish(&mut self, asked: Asked) -> f64 {
         let mut lower = self.bounds(asked).lower;
-        // Where m is large, t moves by powers of ten while l hardly moves; f64 has 308 of them.
+        // Where m is large, t moves by powers of ten; each round takes one at least, and f64 has 308.
         for _ in 0..308 {
-            let here = self.lower_at(asked.place(lower));
+            self.lower_at(asked.place(lower));
             let next = self.bounds(asked).lower;
-            // At the solution f(t) = l: a step of l alone says little, since l may stand still while f does not.
-            let settled = here - lower <= 0.01 * self.goal() * next.abs();
+            let settled = next - lower <= 0.01 * self.goal() * next.abs();
             lower = next;
             if settled {
                 break;

@@ -10,6 +10,11 @@ pub struct Asked {
 }
 
 impl Asked {
+    /// The point of a map: beta_s and r, with the reference omega^2 in rad^2/s^2.
+    pub fn of(beta_s: f64, ratio: f64, reference: f64) -> Self {
+        Self { stiffness: beta_s, mass: beta_s / (ratio * reference) }
+    }
+
     /// A t just below s - l m, where f(t) <= l is to be proven for an l that is right to four roundings. Where l m is
     /// large they move t so far that f(t) would lie above l by more than any tolerance; and f does not decrease, so that
     /// a smaller t proves as much.

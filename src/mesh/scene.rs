@@ -11,7 +11,7 @@ use super::{file, gmsh};
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
 use crate::memory;
-use crate::pencil::Matrix;
+use crate::pencil::{Gap, Matrix};
 use crate::sparse::{Csr, SparseVector, gap_scale};
 
 /// A scene of `[[body]]`, `[[contact]]` and `[[hold]]`, checked but not yet meshed.
@@ -113,6 +113,14 @@ pub struct Assembled {
     pub contacts: Vec<Contact>,
     /// The elements, for patches and for reports.
     pub elements: Elements,
+}
+
+impl Assembled {
+    /// The contacts as the gaps of a pencil.
+    pub fn gaps(&self) -> Vec<Gap> {
+        let gap = |c: &Contact| Gap { column: c.column.clone(), scale: c.scale, initial: c.initial_gap };
+        self.contacts.iter().map(gap).collect()
+    }
 }
 
 impl MeshScene {
