@@ -45,14 +45,13 @@ impl Exact {
         let entry = |i: usize, j: usize| l * self.mass[i][j] + c * self.penalty[i][j] - self.stiffness[i][j];
         let mut a: Vec<Vec<Dd>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
         for p in 0..n {
-            if a[p][p].hi <= 0.0 {
+            let pivot = a[p].clone();
+            if pivot[p].hi <= 0.0 {
                 return false;
             }
-            for i in p + 1..n {
-                let share = a[i][p] / a[p][p];
-                for j in p + 1..n {
-                    a[i][j] = a[i][j] - share * a[p][j];
-                }
+            for row in &mut a[p + 1..] {
+                let share = row[p] / pivot[p];
+                row.iter_mut().zip(&pivot).for_each(|(entry, above)| *entry = *entry - share * *above);
             }
         }
         true
