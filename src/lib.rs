@@ -97,10 +97,13 @@
 //! | omega, l | `omega_max`, `l` | rad/s, rad^2/s^2 | a frequency and its square, never one named as the other |
 //! | C, C_r | `relative_courant`, `critical_courant` | 1 | dt/dt_cr, c0 dt_cr/h |
 
+pub mod convex;
 pub mod error;
 pub mod fem;
 pub mod impact;
+pub mod matrices;
 pub mod memory;
+pub mod mesh;
 pub mod penalty;
 pub mod pencil;
 pub mod scene;

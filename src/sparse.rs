@@ -58,6 +58,12 @@ impl Csr {
         matrix
     }
 
+    /// The matrix of `columns` columns whose row i has the entries `starts[i]..starts[i + 1]`; in each row the columns
+    /// ascend and occur once.
+    pub fn from_parts(columns: usize, starts: Vec<usize>, indices: Vec<u32>, values: Vec<f64>) -> Self {
+        Self { columns, starts, indices, values }
+    }
+
     /// Appends a row whose columns ascend; equal ones are added.
     fn push_row(&mut self, entries: &[(u32, f64)]) {
         let start = self.indices.len();
@@ -123,6 +129,23 @@ impl Csr {
             }
         });
     }
+}
+
+/// The scale of a gap z: over the parts z_b that it has on the bodies `body_of` (of each unknown), the smallest
+/// z_b'K z_b/(z_b'z_b)^2, N/m: EA/h of the element at the end of a bar. `None` for a gap without entries.
+///
+/// K couples no unknowns of different bodies.
+pub fn gap_scale(k: &Csr, gap: &SparseVector, body_of: impl Fn(u32) -> usize) -> Option<f64> {
+    let mut parts: Vec<(usize, f64, f64)> = Vec::new();
+    for (i, z) in &gap.0 {
+        let energy: f64 = gap.0.iter().map(|(j, other)| z * k.get(*i as usize, *j as usize) * other).sum();
+        let body = body_of(*i);
+        match parts.iter_mut().find(|part| part.0 == body) {
+            Some(part) => (part.1, part.2) = (part.1 + energy, part.2 + z * z),
+            None => parts.push((body, energy, z * z)),
+        }
+    }
+    parts.iter().map(|(_, energy, square)| energy / (square * square)).reduce(f64::min)
 }
 
 #[cfg(test)]

@@ -8,13 +8,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 12] = [
+const MAY_NAME: [(&str, &[&str]); 15] = [
     ("error", &[]),
     ("memory", &["error"]),
     ("scene", &["error"]),
     ("fem", &["error", "scene", "sparse", "pencil"]),
     ("pencil", &["error", "sparse"]),
     ("sparse", &[]),
+    ("mesh", &["error", "memory", "scene", "fem", "sparse", "pencil"]),
+    ("matrices", &["error", "scene", "sparse", "pencil"]),
+    ("convex", &["error", "sparse", "pencil"]),
     ("penalty", &["error", "pencil"]),
     ("spectrum", &["error", "sparse", "pencil"]),
     ("stability", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit

@@ -4,7 +4,7 @@ use super::{Gap, Matrix};
 use crate::error::Refusal;
 
 /// Equal sizes of at least 1, finite and symmetric entries, a positive diagonal of the mass.
-pub(super) fn matrices(stiffness: &Matrix, mass: &Matrix) -> Result<(), Refusal> {
+pub(crate) fn matrices(stiffness: &Matrix, mass: &Matrix) -> Result<(), Refusal> {
     let n = stiffness.size();
     if n == 0 {
         return Err(Refusal::new("stiffness", "a matrix without a row", "at least one unknown"));
@@ -46,7 +46,7 @@ fn row(name: &str, matrix: &Matrix, i: usize) -> Result<(), Refusal> {
 }
 
 /// Columns that exist and are not zero, positive scales.
-pub(super) fn gaps(gaps: &[Gap], n: usize) -> Result<(), Refusal> {
+pub(crate) fn gaps(gaps: &[Gap], n: usize) -> Result<(), Refusal> {
     for (j, gap) in gaps.iter().enumerate() {
         let place = |what: &str| format!("gap {j}, {what}");
         let entries = &gap.column.0;

@@ -35,6 +35,8 @@ pub use chain::{BarRows, ChainPencil, EndGap, Scale, contact_sum};
 pub use matrix::{Matrix, Tridiagonal, last_pivot};
 pub use penalty::{Penalty, PenaltyMass, Terms};
 
+pub(crate) use check::{gaps as check_gaps, matrices as check_matrices};
+
 use crate::error::Refusal;
 use crate::sparse::SparseVector;
 

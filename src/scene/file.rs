@@ -88,7 +88,7 @@ pub(super) fn parse(text: &str, path: &str) -> Result<Scene> {
 }
 
 /// The parser's words with the line they are about; a missing key has none.
-fn in_file(error: &toml::de::Error, text: &str, path: &str) -> Error {
+pub(crate) fn in_file(error: &toml::de::Error, text: &str, path: &str) -> Error {
     let line = line_of(text, error.span().map_or(0, |span| span.start));
     // The parser speaks of its types; the user knows numbers.
     let words = error
@@ -159,6 +159,6 @@ impl Lines {
 }
 
 /// The line, counted from 1, of byte `at`.
-fn line_of(text: &str, at: usize) -> usize {
+pub(crate) fn line_of(text: &str, at: usize) -> usize {
     text.bytes().take(at).filter(|byte| *byte == b'\n').count() + 1
 }

@@ -20,6 +20,7 @@ mod file;
 
 pub use builtin::{BUILT_IN, built_in};
 pub use file::load;
+pub(crate) use file::{in_file, line_of};
 
 use crate::error::Refusal;
 
