@@ -82,7 +82,9 @@ impl Moments {
     }
 
     /// sum_k s_k mu_k, 1/kg, with its error put to the side of `sign`: each power of M^-1 K is taken as off by 64 unit
-    /// roundoffs, for the elimination of M (8, enlarged by its condition of at most 3) and the product.
+    /// roundoffs, for the elimination of M (8, enlarged by its condition of at most 3) and the product. That is an estimate:
+    /// the error is one of 4^k mu_0 rather than of mu_k, so that enclosures of small steps rest on it and on tests, not on
+    /// a proof.
     pub(super) fn series(&self, [a, b, c0, c1]: [f64; 4], sign: f64) -> Tridiagonal {
         let contacts = self.0[0].diagonal.len();
         let mut sum = Tridiagonal {
