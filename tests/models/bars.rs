@@ -99,10 +99,9 @@ fn the_predictor_corrector_of_matrices_is_that_of_bars_with_one_contact() {
             let exact = model.critical_step(beta_s, ratio, &asking).unwrap().step.unwrap();
             let found = other.critical_step(beta_s, ratio, &asking).unwrap().step.unwrap();
             assert!(found.is_lower_bound() && found.lower <= exact.upper * unit, "{exact:?} {found:?}");
-            assert!(
-                (found.lower / (exact.critical_courant * unit) - 1.0).abs() < 1e-5,
-                "{exact:?} {found:?}"
-            );
+            // Beyond the contact-free step, where the closed contact alone would stand more, the bound is that step.
+            let expected = (exact.critical_courant * unit).min(1.0);
+            assert!((found.lower / expected - 1.0).abs() < 1e-5, "{exact:?} {found:?}");
         }
     }
 }
