@@ -16,7 +16,7 @@ use analyses::cli::{
     check_stems, checked_grid, finish, print_verification, require_memory,
 };
 use analyses::error::{Refusal, Result};
-use analyses::record::{StabilityRow, VerifyRow};
+use analyses::record::{StabilityRow, Subject, VerifyRow};
 use bipenalty::scene::{Scene, load};
 use bipenalty::schemes::{Scheme, SchemeName};
 use bipenalty::stability::{Axis, Grid, Model, map};
@@ -154,7 +154,7 @@ fn axes(options: &Options, contact: Contact) -> Result<(Axis, Axis)> {
 /// The scenes asked for, or the built-in ones called `names` with `elements`.
 fn scenes(options: &Options, names: [&str; 2], elements: Option<usize>) -> Result<Vec<Scene>> {
     if !options.scene.scenes.is_empty() {
-        return options.scene.scenes();
+        return options.scene.bars();
     }
     let elements = options.scene.elements.or(elements);
     let built_in = |name: &str| {
@@ -171,7 +171,7 @@ fn plan_opening(options: &Options) -> Result<OpeningPlan> {
     require_memory(&grid, BYTES_PER_CASE)?;
     let models: Vec<Model> = scenes(options, ["signorini", "hunek"], None)?
         .iter()
-        .flat_map(|scene| options.scene.models(scene))
+        .flat_map(|scene| options.scene.bar_models(scene))
         .collect();
     let stem = |model: &Model| format!("opening-{}-{}", model.scene().name(), model.mass().name());
     check_stems(&options.output, models.iter().map(stem))?;
@@ -235,7 +235,7 @@ impl Study {
         let pencil = model.pencil();
         let Ok(predictor) = Predictor::new(model, &pencil, &*job.scheme) else { return Ok(None) };
         let curves = map(model, &grid, predictor.limit(), &|_| ());
-        Ok(Some(StabilityRow::of(model, job.scheme.facts().name, &curves)))
+        Ok(Some(StabilityRow::of(&Subject::of_bars(model), job.scheme.facts().name, &curves)))
     }
 }
 
@@ -249,9 +249,9 @@ fn plan(options: &Options, grid: &Grid) -> Result<Vec<Job>> {
         let name = scheme.name();
         let scheme = scheme.with_theta(theta)?;
         let search = Search::to(tolerance, &*scheme)?;
-        for (i, mass) in options.scene.mass.0.iter().enumerate() {
+        for (i, mass) in options.scene.masses().iter().enumerate() {
             let models: Vec<Model> =
-                scenes.iter().map(|scene| options.scene.models(scene).swap_remove(i)).collect();
+                scenes.iter().map(|scene| options.scene.bar_models(scene).swap_remove(i)).collect();
             for model in &models {
                 model.check_grid(grid)?;
                 check(model, &*scheme, &search)?;

@@ -261,7 +261,10 @@ impl AnyModel {
 }
 
 /// Hands on the limit of bars that is asked for.
-pub(super) fn with_limit<R>(
+///
+/// # Errors
+/// As [`Model::engine`] and [`Model::limit`], and what `use_it` refuses.
+pub fn with_limit<R>(
     model: &Model,
     asking: &Asking,
     use_it: impl FnOnce(&dyn StepLimit) -> Result<R, Refusal>,

@@ -1,15 +1,17 @@
 //! The largest ratio that costs no step against the contact-free model, and lines of one step in the plane (beta_s, r).
 
+use rayon::prelude::*;
+
 use super::asking::Asking;
 use super::mesh::MeshModel;
 use super::{AnyModel, with_limit};
 use crate::convex::{Asked, Enclosed};
 use crate::error::{Error, Refusal, Result};
 use crate::penalty::StiffnessPenalty;
-use crate::spectrum::Uncertified;
+use crate::spectrum::{StepLimit, Uncertified};
 use crate::stability::contour::{explicit, on_line};
 use crate::stability::{
-    Expectation, OptimalRatio, contour, optimal_ratio, optimal_scheme_ratio, scheme_contour,
+    Expectation, Model, OptimalRatio, contour, optimal_ratio, optimal_scheme_ratio, scheme_contour,
 };
 
 impl AnyModel {
@@ -20,36 +22,36 @@ impl AnyModel {
     /// # Errors
     /// As [`AnyModel::map`]; a limit that could not be enclosed.
     pub fn optimal_ratio(&self, beta_s: f64, asking: &Asking) -> Result<Option<OptimalRatio>> {
-        self.check(asking)?;
-        let beta_s = StiffnessPenalty::new(beta_s)?;
-        match self {
-            Self::Mesh(model) => model.optimal_ratio(beta_s, asking),
-            Self::Bars(model) => with_limit(model, asking, |limit| {
-                Ok(match asking.limit.scheme() {
-                    None => Expectation::of(model, limit)
-                        .and_then(|expectation| optimal_ratio(model, limit, &expectation, beta_s)),
-                    Some(_) => optimal_scheme_ratio(model, limit, beta_s),
-                })
-            })?
-            .map_err(Error::from),
-        }
+        let found = self.optimal_ratios(&[beta_s], asking, &|_| ())?;
+        Ok(found.first().and_then(|(found, _)| *found))
     }
 
-    /// What the theory expects of [`AnyModel::optimal_ratio`]; `None` where no ratio costs any, or none is known.
+    /// [`AnyModel::optimal_ratio`] at each beta_s, with what the theory expects of it; expected is `None` where no ratio
+    /// costs any, or none is known. `done` is told of ratios as they are found.
     ///
     /// # Errors
     /// As [`AnyModel::optimal_ratio`].
-    pub fn expected_ratio(&self, beta_s: f64, asking: &Asking) -> Result<Option<f64>> {
+    pub fn optimal_ratios(
+        &self,
+        beta_s: &[f64],
+        asking: &Asking,
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<Vec<(Option<OptimalRatio>, Option<f64>)>> {
         self.check(asking)?;
+        let beta_s = beta_s.iter().map(|b| StiffnessPenalty::new(*b)).collect::<Result<Vec<_>, _>>()?;
         match self {
-            Self::Mesh(model) => model.expected_ratio(beta_s, asking),
             Self::Bars(model) => with_limit(model, asking, |limit| {
-                Ok(match asking.limit.scheme() {
-                    None => Expectation::of(model, limit).map(|expectation| Some(expectation.ratio())),
-                    Some(_) => Ok(limit.expected_ratio(beta_s)),
-                })
+                Ok(ratios_of_bars(model, limit, asking.limit.scheme().is_some(), &beta_s, done))
             })?
             .map_err(Error::from),
+            Self::Mesh(model) => {
+                let one = |b: &StiffnessPenalty| {
+                    let found = model.optimal_ratio(*b, asking)?;
+                    done(1);
+                    Ok((found, model.expected_ratio(b.get(), asking)?))
+                };
+                beta_s.iter().map(one).collect()
+            }
         }
     }
 
@@ -75,6 +77,26 @@ impl AnyModel {
             }),
         }
     }
+}
+
+/// Of bars, in parallel over beta_s.
+fn ratios_of_bars(
+    model: &Model,
+    limit: &dyn StepLimit,
+    of_scheme: bool,
+    beta_s: &[StiffnessPenalty],
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Vec<(Option<OptimalRatio>, Option<f64>)>, Uncertified> {
+    let expectation = if of_scheme { None } else { Some(Expectation::of(model, limit)?) };
+    let one = |b: &StiffnessPenalty| {
+        let found = match &expectation {
+            Some(expectation) => (optimal_ratio(model, limit, expectation, *b)?, Some(expectation.ratio())),
+            None => (optimal_scheme_ratio(model, limit, *b)?, limit.expected_ratio(b.get())),
+        };
+        done(1);
+        Ok(found)
+    };
+    beta_s.par_iter().map(one).collect()
 }
 
 impl MeshModel {
