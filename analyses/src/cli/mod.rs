@@ -6,6 +6,7 @@
 mod arguments;
 mod impacts;
 mod maps;
+mod narration;
 mod opening;
 mod options;
 mod output;
@@ -21,6 +22,7 @@ pub use impacts::{
     FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute, suffix,
 };
 pub use maps::{Chart, Job, Solved, checked_grid, paper, require_memory, scheme_lines};
+pub use narration::{Analysis, narrate};
 pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
 pub use options::{
     Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput, WidthOption,
