@@ -6,7 +6,7 @@
 
 use std::process::ExitCode;
 
-use analyses::cli::{Output, OutputOptions, Progress, Verdict, arguments, finish, print_table};
+use analyses::cli::{Analysis, Output, OutputOptions, Progress, Verdict, narrate, print_table};
 use analyses::error::{Refusal, Result};
 use analyses::record::ExtremeRow;
 use clap::Parser;
@@ -30,42 +30,54 @@ const EXAMPLES: &str = "Examples:
   extreme-cases --stdout csv --quiet  records on standard output";
 
 fn main() -> ExitCode {
-    finish(run(&arguments::<Options>()))
+    narrate::<Options>()
 }
 
-fn run(options: &Options) -> Result<Verdict> {
-    let chosen = choose(&options.words)?;
-    let output = Output::prepare(&options.output, "extreme-cases")?;
-    if options.output.explain {
-        let cases = chosen.len();
-        Output::print_text(&format!(
-            "{cases} cases against tests/data/extreme_cases.csv; left out: figures\n"
-        ))?;
-        return Ok(Verdict::Holds);
+impl Analysis for Options {
+    const NAME: &'static str = "extreme-cases";
+    type Plan = Vec<Case>;
+    type Found = (Vec<Checked>, Vec<ExtremeRow>);
+
+    fn output(&self) -> &OutputOptions {
+        &self.output
     }
-    let references = References::built_in();
-    let progress = Progress::new(chosen.len(), "cases", options.output.quiet);
-    let checked: Result<Vec<Checked>> = chosen
-        .par_iter()
-        .map(|case| {
+
+    fn plan(&self) -> Result<Vec<Case>> {
+        choose(&self.words)
+    }
+
+    fn explain(&self, cases: &Vec<Case>) -> Result<String> {
+        Ok(format!("{} cases against tests/data/extreme_cases.csv; left out: figures\n", cases.len()))
+    }
+
+    fn compute(&self, cases: Vec<Case>, output: &Output) -> Result<(Self::Found, usize)> {
+        let references = References::built_in();
+        let progress = Progress::new(cases.len(), "cases", self.output.quiet);
+        let check = |case: &Case| {
             let reference = references.of(case).map_err(|missing| {
                 Refusal::new(&case.name, missing, "cases with a reference in the table that was built in")
             })?;
             let checked = case.check(&reference);
             progress.add(1);
             Ok(checked)
-        })
-        .collect();
-    drop(progress);
-    let checked = checked?;
-    let rows: Vec<ExtremeRow> = checked.iter().map(ExtremeRow::new).collect();
-    let files = output.write_rows("extreme-cases", &rows)?;
-    output.print(&rows)?;
-    if !options.output.quiet {
-        summarise(&checked);
-        output.report(files.len());
+        };
+        let checked: Vec<Checked> = cases.par_iter().map(check).collect::<Result<_>>()?;
+        let rows: Vec<ExtremeRow> = checked.iter().map(ExtremeRow::new).collect();
+        let files = output.write_rows(Self::NAME, &rows)?.len();
+        Ok(((checked, rows), files))
     }
-    Ok(if checked.iter().all(|case| case.holds) { Verdict::Holds } else { Verdict::Fails })
+
+    fn print(&self, (_, rows): &Self::Found, output: &Output) -> Result<()> {
+        output.print(rows)
+    }
+
+    fn summarise(&self, (checked, _): &Self::Found) {
+        summarise(checked);
+    }
+
+    fn verdict(&self, (checked, _): &Self::Found) -> Verdict {
+        if checked.iter().all(|case| case.holds) { Verdict::Holds } else { Verdict::Fails }
+    }
 }
 
 /// The cases whose names contain one of `words`; all without words.

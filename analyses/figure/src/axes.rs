@@ -19,7 +19,7 @@ const UPWARDS: f64 = -90.0;
 pub(super) fn draw_axes(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(), PlotError> {
     let (panel, frame) = (placed.panel, &placed.frame);
     let rect = frame.rect;
-    outline(canvas, rect)?;
+    outline(canvas, rect);
     bottom_axis(canvas, placed)?;
     let at = |value| frame.y_at(value);
     vertical_axis(canvas, &panel.y, &placed.y_ticks, rect, Edge::Left, at)?;
@@ -46,9 +46,9 @@ pub(super) fn draw_bar(canvas: &mut Canvas, placed: &PlacedBar) -> Result<(), Pl
         let bottom = rect.bottom - share * rect.height();
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
         let middle = share + 0.5 / f64::from(BAR_COLOURS);
-        canvas.fill(&corners, colour(placed.bar.map, middle))?;
+        canvas.fill(&corners, colour(placed.bar.map, middle));
     }
-    outline(canvas, rect)?;
+    outline(canvas, rect);
     let at = |value| rect.bottom - placed.interval.position(value) * rect.height();
     let axis = &placed.bar.axis;
     vertical_axis(canvas, axis, &placed.ticks, rect, Edge::Right, at)
@@ -58,11 +58,11 @@ fn frame_pen() -> Pen {
     Pen::solid(BLACK, FRAME_STROKE)
 }
 
-fn outline(canvas: &mut Canvas, rect: Rect) -> Result<(), PlotError> {
+fn outline(canvas: &mut Canvas, rect: Rect) {
     let Rect { left, top, right, bottom } = rect;
     // One corner more than the rectangle has, so that the first one is mitred too.
     let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top), (right, top)];
-    canvas.stroke(&corners, frame_pen())
+    canvas.stroke(&corners, frame_pen());
 }
 
 fn bottom_axis(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(), PlotError> {
@@ -71,14 +71,14 @@ fn bottom_axis(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(), PlotErro
     for value in &ticks.minor {
         let x = frame.x_at(*value);
         let tick = [(x, rect.bottom), (x, rect.bottom + MINOR_TICK)];
-        canvas.stroke(&tick, frame_pen())?;
+        canvas.stroke(&tick, frame_pen());
     }
     let below = rect.bottom + MAJOR_TICK + GAP;
     // Superscripts rise above capitals: one common baseline for all labels of the axis.
     let baseline = below + text_height(TICK_SIZE) * SCRIPT_ROOM;
     for (value, label) in &ticks.major {
         let x = frame.x_at(*value);
-        canvas.stroke(&[(x, rect.bottom), (x, rect.bottom + MAJOR_TICK)], frame_pen())?;
+        canvas.stroke(&[(x, rect.bottom), (x, rect.bottom + MAJOR_TICK)], frame_pen());
         let line = canvas.fonts().line(label, TICK_SIZE)?;
         canvas.text(&plain(&line, (x, baseline), Anchor::BOTTOM));
     }
@@ -118,13 +118,13 @@ fn vertical_axis(
     };
     for value in &ticks.minor {
         let y = at(*value);
-        canvas.stroke(&[(x, y), (x + outwards * MINOR_TICK, y)], frame_pen())?;
+        canvas.stroke(&[(x, y), (x + outwards * MINOR_TICK, y)], frame_pen());
     }
     let beside = MAJOR_TICK + GAP;
     let mut widest = 0.0_f64;
     for (value, label) in &ticks.major {
         let y = at(*value);
-        canvas.stroke(&[(x, y), (x + outwards * MAJOR_TICK, y)], frame_pen())?;
+        canvas.stroke(&[(x, y), (x + outwards * MAJOR_TICK, y)], frame_pen());
         // Digits, not their superscripts, are centred on the tick.
         let line = canvas.fonts().line(label, TICK_SIZE)?;
         let digits = canvas.fonts().line("0", TICK_SIZE)?.ascent;

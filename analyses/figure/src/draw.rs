@@ -48,22 +48,23 @@ impl Figure {
     pub(super) fn draw(&self, form: Form) -> Result<String, PlotError> {
         let fonts = Fonts::new()?;
         let page = self.arrange(&fonts)?;
-        let mut canvas = Canvas::new(&fonts, form);
+        let height = page.height + page.legend.height();
+        let mut canvas = Canvas::new(&fonts, form, (page.width, height));
         for scene in &page.scenes {
             for (index, layer) in scene.placed.panel.layers.iter().enumerate() {
                 draw_layer(&mut canvas, scene, index, layer, page.bar.as_ref())?;
             }
             draw_axes(&mut canvas, &scene.placed)?;
             for name in &scene.names.placed {
-                draw_name(&mut canvas, name, &scene.placed.panel.layers)?;
+                draw_name(&mut canvas, name, &scene.placed.panel.layers);
             }
         }
         if let Some(bar) = &page.bar {
             draw_bar(&mut canvas, bar)?;
         }
         let below = Rect::new(0.0, page.height, page.width, page.legend.height());
-        page.legend.draw(&mut canvas, below)?;
-        Ok(canvas.finish(page.width, page.height + page.legend.height()))
+        page.legend.draw(&mut canvas, below);
+        Ok(canvas.finish())
     }
 
     /// Finds a place for everything: names beside the lines if all fit, else a legend.
@@ -160,16 +161,17 @@ fn draw_layer(
         }
         Layer::Contour { .. } => {
             let gap = scene.names.placed.iter().find(|name| name.layer == index);
-            return draw_contour(canvas, trace, gap.and_then(|name| name.gap));
+            draw_contour(canvas, trace, gap.and_then(|name| name.gap));
+            return Ok(());
         }
         _ => (),
     }
     for area in &trace.areas {
-        canvas.fill(area, SHADE)?;
+        canvas.fill(area, SHADE);
     }
     if let Some(pen) = pen_of(layer) {
         for line in &trace.lines {
-            canvas.stroke(line, pen)?;
+            canvas.stroke(line, pen);
         }
     }
     // A value alone between gaps of a curve is a dot of the line, not a marker; a curve of one value has only that.
@@ -178,9 +180,9 @@ fn draw_layer(
     for dot in &trace.dots {
         if of_line {
             let pen = Pen::solid(pen_of(layer).map_or(BLACK, |pen| pen.colour), 0.0);
-            canvas.marker(*dot, CURVE_STROKE * PT / 2.0, series_shape(0), pen)?;
+            canvas.marker(*dot, CURVE_STROKE * PT / 2.0, series_shape(0), pen);
         } else {
-            draw_dot(canvas, layer, *dot)?;
+            draw_dot(canvas, layer, *dot);
         }
     }
     Ok(())
@@ -201,17 +203,17 @@ pub(super) fn pen_of(layer: &Layer) -> Option<Pen> {
     }
 }
 
-fn draw_dot(canvas: &mut Canvas, layer: &Layer, at: Point) -> Result<(), PlotError> {
+fn draw_dot(canvas: &mut Canvas, layer: &Layer, at: Point) {
     let style = match layer {
         Layer::Curve { style, .. } | Layer::Markers { style, .. } => *style,
         _ => return canvas.marker(at, MARKER, series_shape(0), Pen::solid(BLACK, THIN_STROKE)),
     };
     let pen = Pen::solid(series_colour(style), THIN_STROKE);
-    canvas.marker(at, MARKER, series_shape(style), pen)
+    canvas.marker(at, MARKER, series_shape(style), pen);
 }
 
 /// A white casing first, then the line, both with the gap for the name.
-fn draw_contour(canvas: &mut Canvas, trace: &Trace, gap: Option<(usize, f64, f64)>) -> Result<(), PlotError> {
+fn draw_contour(canvas: &mut Canvas, trace: &Trace, gap: Option<(usize, f64, f64)>) {
     let mut parts = Vec::new();
     for (index, line) in trace.lines.iter().enumerate() {
         match gap {
@@ -221,16 +223,15 @@ fn draw_contour(canvas: &mut Canvas, trace: &Trace, gap: Option<(usize, f64, f64
     }
     for pen in [Pen::solid(WHITE, CASING_STROKE), Pen::solid(BLACK, THIN_STROKE)] {
         for part in &parts {
-            canvas.stroke(part, pen)?;
+            canvas.stroke(part, pen);
         }
     }
-    Ok(())
 }
 
-fn draw_name(canvas: &mut Canvas, name: &Name, layers: &[Layer]) -> Result<(), PlotError> {
+fn draw_name(canvas: &mut Canvas, name: &Name, layers: &[Layer]) {
     if let (Some(leader), Some(pen)) = (&name.leader, pen_of(&layers[name.layer])) {
         let width = THIN_STROKE.min(pen.width);
-        canvas.stroke(leader, Pen::solid(pen.colour, width))?;
+        canvas.stroke(leader, Pen::solid(pen.colour, width));
     }
     canvas.text(&Text {
         line: &name.line,
@@ -241,13 +242,12 @@ fn draw_name(canvas: &mut Canvas, name: &Name, layers: &[Layer]) -> Result<(), P
         // Names keep clear of lines; only a map lies below them.
         halo: layers.iter().any(|layer| matches!(layer, Layer::Cells { .. })),
     });
-    Ok(())
 }
 
 /// Draws a short piece of a layer for the legend.
-pub(super) fn sample(canvas: &mut Canvas, layer: &Layer, [from, to]: [Point; 2]) -> Result<(), PlotError> {
+pub(super) fn sample(canvas: &mut Canvas, layer: &Layer, [from, to]: [Point; 2]) {
     if let Some(pen) = pen_of(layer) {
-        canvas.stroke(&[from, to], pen)?;
+        canvas.stroke(&[from, to], pen);
     }
     let middle = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
     match layer {
@@ -255,9 +255,9 @@ pub(super) fn sample(canvas: &mut Canvas, layer: &Layer, [from, to]: [Point; 2])
         Layer::Shade { .. } => {
             let Rect { left, top, right, bottom } = Rect::around(middle, to.0 - from.0, 2.0 * MARKER);
             let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-            canvas.fill(&corners, SHADE)
+            canvas.fill(&corners, SHADE);
         }
-        _ => Ok(()),
+        _ => (),
     }
 }
 
