@@ -11,6 +11,8 @@ mod common;
 mod coupled;
 #[path = "scheme_limits/islands.rs"]
 mod islands;
+#[path = "scheme_limits/judge.rs"]
+mod judge;
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
