@@ -87,7 +87,7 @@ pub struct CriticalStep {
     pub critical_courant: f64,
     /// Proven lower bound of C_r.
     pub lower: f64,
-    /// Proven upper bound of C_r; infinite where only a lower bound is known.
+    /// Proven upper bound of C_r; infinite where none is known.
     pub upper: f64,
     /// What stands behind it.
     pub evidence: Evidence,
@@ -292,9 +292,7 @@ impl Model {
     pub fn critical_step_of(&self, step: Step) -> CriticalStep {
         let found = CriticalStep { evidence: step.evidence, ..self.critical_step(step.l) };
         match step.evidence {
-            Evidence::LowerBound => {
-                CriticalStep { critical_courant: found.lower, upper: f64::INFINITY, ..found }
-            }
+            Evidence::LowerBound => CriticalStep { critical_courant: found.lower, ..found },
             Evidence::Proven | Evidence::Probability(_) => found,
         }
     }

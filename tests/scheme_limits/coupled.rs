@@ -168,6 +168,11 @@ fn look(point: u64) -> [usize; 4] {
         );
         seen = usize::from(grows);
     }
+    assert!(dt <= step.upper() && step.upper().is_finite(), "{step:?}: {}", place());
+    if bound {
+        let (above, grows) = (1.0 + 1e-6, |dt| judge.predictor_corrector_grows(dt));
+        assert!(grows(above * step.upper()), "stable above {step:?}: {}", place());
+    }
     let short = dt < 0.999 * far;
     let grown = outside(&scaled_pair(&dense.predictor_corrector(1.5 * dt), &pencil, dt)).0 > 0;
     [usize::from(bound), usize::from(bound && short), usize::from(bound && short && grown), seen]

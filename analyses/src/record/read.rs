@@ -186,14 +186,14 @@ impl Cells<'_> {
         Ok(evidence.to_owned())
     }
 
-    /// A result that lies between a lower and an upper bound; all three are there or none, or a lower bound alone, with an
-    /// infinite upper one.
+    /// A result that lies between a lower and an upper bound; all three are there or none, or the bounds
+    /// alone, the upper one infinite if none is known.
     fn enclosed(&self, columns: [&str; 3], kind: Kind) -> Result<Option<Number>, Refusal> {
         let [column, low, high] = columns;
         let (value, lower) = (self.result(column, kind)?.map(|x| x.0), self.result(low, kind)?.map(|x| x.0));
         let holds = match (value, lower, self.bound(high, kind)?.map(|x| x.0)) {
             (Some(value), Some(lower), Some(upper)) => lower <= value && value <= upper && upper.is_finite(),
-            (None, Some(_), Some(upper)) => upper.is_infinite(),
+            (None, Some(lower), Some(upper)) => lower <= upper,
             (None, None, None) => true,
             _ => false,
         };

@@ -41,7 +41,7 @@ pub struct StabilityRow {
     pub critical_courant: Option<Number>,
     /// Proven lower bound of C_r.
     pub lower: Option<Number>,
-    /// Proven upper bound of C_r; infinite where it is known from below only.
+    /// Proven upper bound of C_r; infinite where none is known.
     pub upper: Option<Number>,
     /// The engine that found the value; "not certified" is appended where it could not be proven.
     pub engine: String,
@@ -49,7 +49,7 @@ pub struct StabilityRow {
     pub critical_step: Option<Number>,
     /// Proven lower bound of dt_cr, s.
     pub step_lower: Option<Number>,
-    /// Proven upper bound of dt_cr, s; infinite where it is known from below only.
+    /// Proven upper bound of dt_cr, s; infinite where none is known.
     pub step_upper: Option<Number>,
     /// [`PROVEN`] for an enclosed limit, [`LOWER_BOUND`], or empty where nothing could be certified.
     pub evidence: String,
