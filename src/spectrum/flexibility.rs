@@ -137,4 +137,33 @@ mod tests {
         assert!((found.diagonal[0] / expected - 1.0).abs() < 8.0 * f64::EPSILON);
         assert!(flexibility.of(-1.0, 0.5 * bounds.stiffness, usize::MAX).is_none());
     }
+
+    #[test]
+    fn a_long_bar_yields_the_same_cut_where_its_contacts_see_no_further() {
+        let (n, k, m) = (300, 1.0, 1.0 / 6.0);
+        let matrix = |end: f64, off: f64| {
+            let mut diagonal = vec![2.0 * end; n];
+            (diagonal[0], diagonal[n - 1]) = (end, end);
+            Tridiagonal { diagonal, off_diagonal: vec![off; n - 1] }
+        };
+        let bounds = Bounds { stiffness: 12.0 * k, mass: 3.0 };
+        let gap = |node: u32| Gap { column: SparseVector(vec![(node, 1.0)]), scale: k, initial: 0.0 };
+        let (stiffness, mass) = (Matrix::Chain(matrix(k, -k)), Matrix::Chain(matrix(2.0 * m, m)));
+        let gaps = vec![gap(0), gap(n as u32 - 1)];
+        let pencil = Pencil::new(stiffness, mass, gaps, bounds, bounds.stiffness).unwrap();
+        let flexibility = Flexibility::new(pencil.chain().unwrap());
+        for (sign, l, condition) in [(0.0, 1.0, 3.0), (-1.0, 18.0, 9.0), (1.0, 24.0, 4.5)] {
+            let whole = flexibility.of(sign, Dd::from(l), usize::MAX).unwrap();
+            let cut = flexibility.of(sign, Dd::from(l), reach(condition)).unwrap();
+            assert!(2 * reach(condition) < n && cut.off_diagonal[0].hi == 0.0);
+            for (whole, cut) in whole.diagonal.iter().zip(&cut.diagonal) {
+                let difference = ((*whole - *cut) / *whole).hi.abs();
+                // And n eliminations, whose errors die out like the reach.
+                assert!(difference < 64.0 * Dd::ROUNDOFF, "{difference:e}");
+            }
+            assert!((whole.off_diagonal[0] / whole.diagonal[0]).hi.abs() < 2f64.powi(-112));
+            let short = flexibility.of(sign, Dd::from(l), reach(condition) / 3).unwrap();
+            assert_ne!(short.diagonal[0], whole.diagonal[0]);
+        }
+    }
 }

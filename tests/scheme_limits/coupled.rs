@@ -65,8 +65,8 @@ fn the_park_limit_of_a_soft_bar_behind_a_stiff_one_is_its_own() {
 fn the_park_limit_holds_for_coupled_contacts() {
     let counts: Vec<[usize; 2]> = (0..3000).into_par_iter().map(|point| check(point as u64)).collect();
     let sum = counts.iter().fold([0; 2], |sum, c| [sum[0] + c[0], sum[1] + c[1]]);
-    println!("{sum:?} of 3000 grow above too slowly to be seen, below dt_c");
-    assert!(sum[0] < 10 && sum[1] > 2500, "{sum:?}");
+    println!("{sum:?} of 3000 grow 0.1 % above too slowly to be seen, are seen to grow 1e-9 above");
+    assert!(sum[0] < 10 && sum[1] > 2000, "{sum:?}");
 }
 
 /// One to three contacts, one or two elements between them, contrasts to 1e3: a model and its penalty.
@@ -113,12 +113,17 @@ fn check(point: u64) -> [usize; 2] {
         let dt = below * step.lower();
         assert!(!judge.park_grows(dt, far, theta), "grows at {below} of {}: {}", step.lower(), place());
     }
-    let above = 1.001 * step.seconds();
-    let predicted = growth_of(&*engine, &p, above / far);
-    let slow = predicted.is_some_and(|growth| growth < 2.0 * SEEN);
-    let grows = judge.park_grows(above, far, theta);
-    assert!(grows || slow, "stable above {}, predicted {predicted:?}: {}", step.seconds(), place());
-    [usize::from(slow), usize::from(above < far)]
+    let grows_above = |excess: f64| {
+        let above = (1.0 + excess) * step.upper();
+        let predicted = growth_of(&*engine, &p, above / far);
+        let slow = predicted.is_some_and(|growth| growth < 2.0 * SEEN);
+        let grows = slow || judge.park_grows(above, far, theta);
+        assert!(grows, "stable {excess} above {step:?}, predicted {predicted:?}: {}", place());
+        slow
+    };
+    // Next to dt_c the scheme may be stable again beyond it.
+    let close = (1.0 + 1e-9) * step.upper() < far && !grows_above(1e-9);
+    [usize::from(grows_above(1e-3)), usize::from(close)]
 }
 
 /// Growth a step that [`Judge`] sees.
