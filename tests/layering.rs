@@ -8,18 +8,19 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 15] = [
+const MAY_NAME: [(&str, &[&str]); 16] = [
     ("error", &[]),
     ("memory", &["error"]),
     ("scene", &["error"]),
     ("fem", &["error", "scene", "sparse", "pencil"]),
     ("pencil", &["error", "sparse"]),
     ("sparse", &[]),
+    ("double_double", &[]),
     ("mesh", &["error", "memory", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),
     ("convex", &["error", "sparse", "pencil"]),
     ("penalty", &["error", "pencil"]),
-    ("spectrum", &["error", "sparse", "pencil"]),
+    ("spectrum", &["error", "double_double", "sparse", "pencil"]),
     (
         "stability", // of any scene, and the limits of schemes
         &[
@@ -27,7 +28,7 @@ const MAY_NAME: [(&str, &[&str]); 15] = [
             "matrices", "convex",
         ],
     ),
-    ("schemes", &["error", "sparse", "pencil", "spectrum"]),
+    ("schemes", &["error", "double_double", "sparse", "pencil", "spectrum"]),
     ("impact", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "stability"]),
     ("verify", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "stability", "schemes", "impact"]),
 ];

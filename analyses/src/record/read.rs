@@ -138,8 +138,8 @@ impl Cells<'_> {
         self.parsed(column, &allowed, |text| (text == evidence || chance(text)).then(|| text.to_owned()))
     }
 
-    /// A result that lies between a lower and an upper bound; all three are there or none, or a lower bound alone, with an
-    /// infinite upper one.
+    /// A result that lies between a lower and an upper bound; all three are there or none, or the bounds
+    /// alone, the upper one infinite if none is known.
     pub(super) fn enclosed(
         &self,
         column: &str,
@@ -149,7 +149,7 @@ impl Cells<'_> {
         let (value, lower) = (self.result(column, kind)?.map(|x| x.0), self.result(low, kind)?.map(|x| x.0));
         let holds = match (value, lower, self.bound(high, kind)?.map(|x| x.0)) {
             (Some(value), Some(lower), Some(upper)) => lower <= value && value <= upper && upper.is_finite(),
-            (None, Some(_), Some(upper)) => upper.is_infinite(),
+            (None, Some(lower), Some(upper)) => lower <= upper,
             (None, None, None) => true,
             _ => false,
         };

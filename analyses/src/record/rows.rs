@@ -89,7 +89,7 @@ columns! {
     critical_courant: Option<Number> = enclosed(["lower", "upper"], POSITIVE),
     /// Lower bound of C_r.
     lower: Option<Number> = result(POSITIVE),
-    /// Upper bound of C_r; infinite where it is known from below only.
+    /// Upper bound of C_r; infinite where none is known.
     upper: Option<Number> = bound(POSITIVE),
     /// The engine that found the value; "not certified" is appended where it could not be proven.
     engine: String = word(),
@@ -97,7 +97,7 @@ columns! {
     critical_step: Option<Number> = enclosed(["step_lower", "step_upper"], POSITIVE),
     /// Lower bound of dt_cr, s.
     step_lower: Option<Number> = result(POSITIVE),
-    /// Upper bound of dt_cr, s; infinite where it is known from below only.
+    /// Upper bound of dt_cr, s; infinite where none is known.
     step_upper: Option<Number> = bound(POSITIVE),
     /// [`PROVEN`] for an enclosed limit, [`LOWER_BOUND`], the probability that the enclosure is wrong, or empty where nothing
     /// could be certified.

@@ -4,16 +4,21 @@
 //! dt^2 <= a + 1/l_max(S G) = 1/(r omega^2) + 1/(beta_s l_max(P, M))      P = sum_j w_j z_j z_j'
 //! ```
 //! by the sufficient half of the proof for bars ([`ClosedLimit`](super::ClosedLimit)), which uses nothing of them. The
-//! limit itself may lie anywhere above, as contacts that are not alike damp each other's unstable modes: no upper bound is
-//! given, and the step is a [lower bound](crate::spectrum::Evidence::LowerBound).
+//! limit itself may lie above, as contacts that are not alike damp each other's unstable modes, but not above the first
+//! step at which the product of all multipliers exceeds 1 ([`Determinant`]). The step is a
+//! [lower bound](crate::spectrum::Evidence::LowerBound) with an upper one.
 
 use faer::{Mat, Side};
 
+use super::determinant::Determinant;
 use crate::error::Refusal;
 use crate::pencil::{Penalty, PenaltyMass, Pencil, last_pivot};
 use crate::schemes::Contacts;
 use crate::schemes::closed::{COMPLIANCE_ERROR, ClosedContacts, contact_free};
 use crate::spectrum::{Enclosure, Engine, Step, StepLimit, UNIT_ROUNDOFF, Uncertified, bisect};
+
+/// Contacts of bars of which all eigenvalues are computed.
+const MOST_CONTACTS: usize = 300;
 
 /// The lower bound of the limit for any pencil.
 pub(super) struct Bound {
@@ -21,6 +26,7 @@ pub(super) struct Bound {
     /// l_max(P, M), rad^2/s^2: that of W^1/2 G W^1/2, k x k, and its relative error.
     contact: f64,
     error: f64,
+    determinant: Determinant,
     spreads_mass: bool,
 }
 
@@ -43,6 +49,7 @@ impl Bound {
             contact_free: contact_free(&*spectrum)?,
             contact: eigenvalues.last().copied().unwrap_or(0.0),
             error,
+            determinant: Determinant::new(&eigenvalues, error),
             spreads_mass: spreads_mass(pencil),
         })
     }
@@ -67,8 +74,24 @@ impl Bound {
         // An entry is in error by COMPLIANCE_ERROR, its scaling by 4 roundings, and a pivot by 4 more of l and of the
         // entry beside it (Kahan: as exact pivots of entries so moved). Three entries of a row of at most l each.
         let error = 3.0 * (COMPLIANCE_ERROR + 8.0 * UNIT_ROUNDOFF) + 16.0 * UNIT_ROUNDOFF;
+        let k = diagonal.len();
+        let determinant = if k > MOST_CONTACTS {
+            // D^1/2 M^-1 D^1/2 has the condition c at most, D = diag(M), and so has what its contacts see of a bar: G is
+            // no less than its diagonal over c.
+            let least = diagonal.iter().copied().fold(f64::INFINITY, f64::min);
+            Determinant::above(least / pencil.bounds().mass * (1.0 - error))
+        } else {
+            let entry = |i: usize, j: usize| match i.abs_diff(j) {
+                0 => diagonal[i],
+                1 => off[i.min(j)],
+                _ => 0.0,
+            };
+            let eigenvalues = Mat::from_fn(k, k, entry).self_adjoint_eigenvalues(Side::Lower);
+            let more = 8.0 * UNIT_ROUNDOFF * (k * k) as f64;
+            Determinant::new(&eigenvalues.unwrap_or_default(), error + more)
+        };
         let (contact_free, spreads_mass) = (closed.contact_free, spreads_mass(pencil));
-        Self { contact_free, contact, error, spreads_mass }
+        Self { contact_free, contact, error, determinant, spreads_mass }
     }
 
     /// 4/(a + 1/(beta_s l_max(P, M))), rad^2/s^2.
@@ -97,7 +120,9 @@ impl StepLimit for Bound {
             return Ok(Step::proven(free));
         }
         let upper = free.upper.max(q * (1.0 + self.error));
-        Ok(Step::at_least(Enclosure { value: free.value.max(q), lower: free.lower, upper }))
+        let lower = 4.0 / self.determinant.unstable_from(penalty.stiffness, penalty.rate);
+        let lower = lower * (1.0 - 4.0 * UNIT_ROUNDOFF);
+        Ok(Step::between(Enclosure { value: free.value.max(q), lower, upper }))
     }
 
     fn costs_nothing(&self, penalty: &Penalty) -> bool {

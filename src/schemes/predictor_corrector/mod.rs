@@ -2,6 +2,7 @@
 
 mod bound;
 mod definite;
+mod determinant;
 mod growth;
 mod limit;
 mod motion;
