@@ -7,6 +7,8 @@
 mod bars;
 #[path = "models/largest.rs"]
 mod largest;
+#[path = "models/patches.rs"]
+mod patches;
 #[path = "models/refusals.rs"]
 mod refusals;
 #[path = "models/scenes.rs"]

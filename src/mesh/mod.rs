@@ -33,6 +33,7 @@ pub mod elasticity;
 pub mod element;
 mod file;
 pub mod gmsh;
+mod partition;
 mod scene;
 pub mod structured;
 pub mod topology;

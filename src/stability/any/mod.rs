@@ -31,6 +31,7 @@ mod curve;
 mod largest;
 mod mesh;
 mod optimal;
+mod prover;
 mod scene;
 
 pub use asking::{Asking, LimitOf, Plan, Prover};
