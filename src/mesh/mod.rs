@@ -37,6 +37,8 @@ mod partition;
 mod scene;
 pub mod structured;
 pub mod topology;
+mod vtu;
 
 pub use assembly::{Body, Elements, HELD};
 pub use scene::{Assembled, BodySource, Contact, MeshScene, Opponent, Place, SurfaceName};
+pub use vtu::Field;
