@@ -1,0 +1,6 @@
+//! The schemes beside each other: what they gain and lose, on bars and on meshes with many contacts.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+#[path = "impacts/probe.rs"]
+mod probe;
