@@ -2,5 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-#[path = "impacts/probe.rs"]
-mod probe;
+#[path = "impacts/gains.rs"]
+mod gains;
+#[path = "impacts/random.rs"]
+mod random;

@@ -22,7 +22,10 @@ const MAY_NAME: [(&str, &[&str]); 15] = [
     ("spectrum", &["error", "sparse", "pencil"]),
     ("stability", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit
     ("schemes", &["error", "sparse", "pencil", "spectrum"]),
-    ("impact", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "stability"]),
+    (
+        "impact",
+        &["error", "memory", "scene", "fem", "mesh", "pencil", "penalty", "spectrum", "schemes", "stability"],
+    ),
     ("verify", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "stability", "schemes", "impact"]),
 ];
 

@@ -38,4 +38,4 @@ pub mod structured;
 pub mod topology;
 
 pub use assembly::{Body, Elements, HELD};
-pub use scene::{Assembled, BodySource, Contact, MeshScene, Opponent, Place, SurfaceName};
+pub use scene::{Assembled, BodySource, Contact, MeshImpact, MeshScene, Opponent, Place, SurfaceName};

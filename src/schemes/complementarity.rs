@@ -1,9 +1,9 @@
 //! Reactions that push and never pull: the linear complementarity problem of a step.
 //!
 //! ```text
-//! 0 <= lambda   perpendicular to   (G + E) lambda - b >= 0      G = Z'M^-1 Z      E diagonal, not negative
+//! 0 <= lambda   perpendicular to   (a G + E) lambda - b >= 0      G = Z'M^-1 Z      E diagonal, not negative
 //! ```
-//! G is positive semidefinite. Where no two contacts act on each other the solution is max(0, b/(g + e)), contact by contact.
+//! G is positive semidefinite. Where no two contacts act on each other the solution is max(0, b/(a g + e)), contact by contact.
 //! Else the active set of the last step is tried first and then changed by block principal pivoting, with Murty's rule of
 //! the last index where blocks do not converge (Judice, Pires, Comput. Oper. Res. 21, 1994): finite for a positive
 //! definite matrix, one Cholesky factorisation for each change.
@@ -19,9 +19,9 @@ const PATIENCE: u32 = 4;
 /// Solves the problem for one right side after another.
 #[derive(Debug, Clone)]
 pub(super) struct Complementarity {
-    /// G_jj + E_jj, 1/kg.
+    /// a G_jj + E_jj.
     diagonal: Vec<f64>,
-    /// G + E unless it is diagonal.
+    /// a G + E unless it is diagonal.
     coupled: Option<Coupled>,
 }
 
@@ -35,12 +35,13 @@ struct Coupled {
 }
 
 impl Complementarity {
-    /// For `contacts` with E = `compliance`, 1/kg.
-    pub fn new(contacts: &Contacts, compliance: &[f64]) -> Self {
+    /// For `contacts` with a = `share` and E = `own`.
+    pub fn new(contacts: &Contacts, share: f64, own: &[f64]) -> Self {
         let k = contacts.len();
-        let diagonal: Vec<f64> = (0..k).map(|j| contacts.compliance(j) + compliance[j]).collect();
-        let apart = (0..k).all(|i| (0..i).all(|j| contacts.compliance_between(i, j) == 0.0));
-        let entry = |i: usize, j: usize| if i == j { diagonal[i] } else { contacts.compliance_between(i, j) };
+        let diagonal: Vec<f64> = (0..k).map(|j| share * contacts.compliance(j) + own[j]).collect();
+        let apart = share == 0.0 || contacts.act_apart();
+        let entry =
+            |i: usize, j: usize| if i == j { diagonal[i] } else { share * contacts.compliance_between(i, j) };
         let coupled = (!apart).then(|| Coupled {
             matrix: Mat::from_fn(k, k, entry),
             active: vec![false; k],
@@ -50,7 +51,7 @@ impl Complementarity {
         Self { diagonal, coupled }
     }
 
-    /// lambda, N, for b = `demand`, m/s^2; 0 for contacts that do not `count`.
+    /// lambda, N, for b = `demand`; 0 for contacts that do not `count`.
     pub fn push(&mut self, demand: &[f64], count: &[bool], lambda: &mut [f64]) {
         match &mut self.coupled {
             Some(coupled) => coupled.push(demand, count, lambda),
@@ -58,7 +59,7 @@ impl Complementarity {
         }
     }
 
-    /// (G + E) lambda = b for the contacts that `count`, in tension too.
+    /// (a G + E) lambda = b for the contacts that `count`, in tension too.
     pub fn hold(&mut self, demand: &[f64], count: &[bool], lambda: &mut [f64]) {
         match &mut self.coupled {
             Some(coupled) => {

@@ -126,7 +126,7 @@ impl<L: Law> Steps<L> {
         let (n, k) = (u.len(), body.contacts.len());
         let state = State::new(&body.contacts, u, v, body.dt);
         let compliance: Vec<f64> = buffers.iter().map(|buffer| 1.0 / buffer.mass).collect();
-        let problem = Complementarity::new(&body.contacts, &compliance);
+        let problem = Complementarity::new(&body.contacts, 1.0, &compliance);
         let mut steps = Self {
             law,
             problem,
@@ -192,15 +192,15 @@ impl<L: Law> Steps<L> {
             let coming = rate + (self.free_kick[j] + *dt * buffer.rate * buffer.position);
             self.demand[j] = (coming - self.landings[j].rate) / *dt;
         }
-        match rule {
-            ContactRule::HeldClosed => self.problem.hold(&self.demand, &self.counts, &mut state.force),
-            _ => self.problem.push(&self.demand, &self.counts, &mut state.force),
+        if *rule == ContactRule::HeldClosed {
+            self.problem.hold(&self.demand, &self.counts, &mut state.force);
+            state.closed.fill(true);
+        } else {
+            self.problem.push(&self.demand, &self.counts, &mut state.force);
+            state.close_where_pressed();
         }
-        for (j, closed) in state.closed.iter_mut().enumerate() {
-            let now = *rule == ContactRule::HeldClosed || state.force[j] > 0.0;
-            state.switches += u64::from(now != *closed);
-            *closed = now;
-            state.contact_work += 0.5 * state.force[j] * state.last_gap_change[j];
+        for (force, change) in state.force.iter().zip(&state.last_gap_change) {
+            state.contact_work += 0.5 * force * change;
         }
         contacts.add_columns(-*dt, &state.force, kick);
         self.synchronised = true;
