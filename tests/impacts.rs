@@ -2,7 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+#[path = "common/conformance/mod.rs"]
+#[macro_use]
+mod conformance;
 #[path = "impacts/gains.rs"]
 mod gains;
+#[path = "impacts/meshes.rs"]
+mod meshes;
 #[path = "impacts/random.rs"]
 mod random;
