@@ -169,7 +169,7 @@ fn forces_and_gaps_of_meshes_do_not_cancel_at_a_large_penalty() {
         for scheme in [SchemeName::PredictorCorrector, SchemeName::Park, SchemeName::Buffered] {
             let record = |beta_s: f64| {
                 let passage =
-                    Passage::new(block.clone(), scheme, block.penalty(beta_s, 1.0), 0.45, 0.5).unwrap();
+                    Passage::new(block.clone(), scheme, block.penalty(beta_s, 1.0), 0.3, 0.5).unwrap();
                 passage.execute(1, None, |_, _| ()).unwrap()
             };
             let (large, huge) = (record(1e8), record(1e12));
