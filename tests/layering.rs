@@ -29,7 +29,10 @@ const MAY_NAME: [(&str, &[&str]); 16] = [
         ],
     ),
     ("schemes", &["error", "double_double", "sparse", "pencil", "spectrum"]),
-    ("impact", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "stability"]),
+    (
+        "impact",
+        &["error", "memory", "scene", "fem", "mesh", "pencil", "penalty", "spectrum", "schemes", "stability"],
+    ),
     ("verify", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "stability", "schemes", "impact"]),
 ];
 
