@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 15] = [
+const MAY_NAME: [(&str, &[&str]); 16] = [
     ("error", &[]),
     ("memory", &["error"]),
     ("scene", &["error"]),
@@ -18,10 +18,11 @@ const MAY_NAME: [(&str, &[&str]); 15] = [
     ("mesh", &["error", "memory", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),
     ("convex", &["error", "sparse", "pencil"]),
+    ("damping", &["error", "pencil", "spectrum", "convex"]),
     ("penalty", &["error", "pencil"]),
     ("spectrum", &["error", "sparse", "pencil"]),
     ("stability", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit
-    ("schemes", &["error", "sparse", "pencil", "spectrum"]),
+    ("schemes", &["error", "sparse", "pencil", "spectrum", "damping"]),
     ("impact", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "stability"]),
     ("verify", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "stability", "schemes", "impact"]),
 ];
