@@ -220,16 +220,19 @@ fn limits_of_a_scene_are_those_of_its_steps() {
             let step = scheme.limit(engine(&pencil).unwrap()).enclose(&penalty, None).unwrap();
             let size = |dt: f64| {
                 let parts = scheme.states();
-                // A step is linear in w, w^2 .. of each mode, and w is h^2 N^-1 S: its matrix is a polynomial in that,
-                // by the coefficients that three values of w tell.
-                let a: Vec<_> = [0.0, 1.0, 2.0].map(|w| scheme.amplification(w)).into();
+                // The matrix of the modes is a polynomial in w, of degree 3 at most, which four values tell; w is dt^2 N^-1 S.
+                let a: Vec<_> = [0.0, 1.0, 2.0, 3.0].map(|w| scheme.amplification(w)).into();
                 let w = &rate * (dt * dt);
                 let square = &w * &w;
+                let cube = &square * &w;
                 let matrix = Mat::from_fn(parts * n, parts * n, |row, column| {
                     let ((r, i), (c, j)) = ((row / n, row % n), (column / n, column % n));
-                    let [a0, a1, a2] = [a[0][r][c], a[1][r][c], a[2][r][c]];
-                    let (first, second) = (2.0 * a1 - 1.5 * a0 - 0.5 * a2, 0.5 * (a0 + a2) - a1);
-                    a0 * f64::from(u8::from(i == j)) + first * w[(i, j)] + second * square[(i, j)]
+                    let [a0, a1, a2, a3] = [a[0][r][c], a[1][r][c], a[2][r][c], a[3][r][c]];
+                    let third = (a3 - 3.0 * a2 + 3.0 * a1 - a0) / 6.0;
+                    let second = 0.5 * (a2 - 2.0 * a1 + a0) - 3.0 * third;
+                    let first = a1 - a0 - second - third;
+                    let own = a0 * f64::from(u8::from(i == j));
+                    own + first * w[(i, j)] + second * square[(i, j)] + third * cube[(i, j)]
                 });
                 let roots = matrix.eigenvalues().unwrap();
                 roots

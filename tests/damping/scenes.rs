@@ -70,7 +70,8 @@ pub fn mesh(numbers: &mut Numbers) -> (Matrix, Matrix, Vec<Gap>, Penalty) {
         Csr::from_triplets(n, n, &entries)
     };
     let (k, m) = (square(n - 1, 0.0), square(n, 0.4));
-    let count = 1 + (3.0 * numbers.next()) as usize;
+    // One unknown at least is free of them.
+    let count = (1 + (3.0 * numbers.next()) as usize).min(n - 1);
     let gap = |numbers: &mut Numbers| {
         let column = (0..n as u32).map(|i| (i, numbers.between(-1.0, 1.0))).collect::<Vec<_>>();
         let first = (numbers.next() * n as f64) as usize;
