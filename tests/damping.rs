@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 #[path = "damping/amplification.rs"]
 mod amplification;
 #[path = "common/conformance/mod.rs"]
@@ -26,7 +28,7 @@ use bipenalty::penalty::PenaltyMass;
 use bipenalty::pencil::{Bounds, Matrix, Penalty, Pencil};
 use bipenalty::scene::End;
 use bipenalty::schemes::{DampedCentralDifference, SchemeName, damped_limit};
-use bipenalty::spectrum::{Dense, Evidence, StepLimit, Sturm, engine};
+use bipenalty::spectrum::{Dense, Enclosure, Engine, Evidence, StepLimit, Sturm, Uncertified, engine};
 
 scheme_conformance! {
     undamped => DampedCentralDifference::default();
@@ -139,4 +141,56 @@ fn what_is_not_derived_is_refused() {
     let refusal = of(SchemeName::Park, damping(1.0, 0.0, 0.0)).err().unwrap();
     assert!(refusal.value.contains("not derived"), "{refusal}");
     assert!(of(SchemeName::Park, Damping::NONE).is_ok());
+}
+
+/// An engine that counts what it is asked.
+struct Counting<'a>(Box<dyn Engine + 'a>, &'a AtomicUsize);
+
+impl Engine for Counting<'_> {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    fn enclose(&self, penalty: &Penalty, start: Option<f64>) -> Result<Enclosure, Uncertified> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.enclose(penalty, start)
+    }
+}
+
+#[test]
+fn a_limit_takes_a_handful_of_undamped_ones() {
+    let (mut numbers, count) = (numbers::Numbers(31), AtomicUsize::new(0));
+    let (mut most, points) = (0, 300);
+    for _ in 0..points {
+        let (pencil, penalty) = scenes::bars(&mut numbers);
+        let damping = scenes::damping(&mut numbers, &pencil);
+        let before = count.load(Ordering::Relaxed);
+        let counting = Box::new(Counting(engine(&pencil).unwrap(), &count));
+        DampedLimit::new(&pencil, counting, damping).enclose(&penalty, None).unwrap();
+        most = most.max(count.load(Ordering::Relaxed) - before);
+    }
+    let mean = count.load(Ordering::Relaxed) as f64 / f64::from(points);
+    println!("{mean} undamped limits in the mean, {most} at most");
+    assert!(mean < 9.0 && most < 40, "{mean} {most}");
+}
+
+/// The undamped problem of a step tells whether the step is stable.
+#[test]
+fn an_equivalent_undamped_problem_decides() {
+    let mut numbers = numbers::Numbers(37);
+    for _ in 0..60 {
+        let (pencil, penalty) = scenes::bars(&mut numbers);
+        let damping = scenes::damping(&mut numbers, &pencil);
+        let limit = DampedLimit::new(&pencil, engine(&pencil).unwrap(), damping);
+        let step = limit.enclose(&penalty, None).unwrap();
+        for share in [0.3, 0.99, 1.0 - 1e-9, 1.0 + 1e-9, 1.01, 3.0] {
+            let Some(undamped) = damping.equivalent(share * step.seconds()) else {
+                assert!(share > 1.0 && share * step.seconds() * damping.mass() >= 2.0);
+                continue;
+            };
+            let found = engine(&pencil).unwrap().enclose(&undamped.penalty(&penalty), None).unwrap();
+            let allowed = 2.0 / found.value.sqrt();
+            assert_eq!(allowed > undamped.time_step(), share < 1.0, "{damping:?} {penalty:?} at {share}");
+        }
+    }
 }

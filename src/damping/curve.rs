@@ -51,7 +51,7 @@ impl<'a> DampedCurve<'a> {
             let open: Vec<usize> = (0..searches.len()).filter(|i| searches[*i].ask().is_some()).collect();
             let problem = |i: &usize| {
                 let (point, undamped) = (asked[*i], searches[*i].ask()?);
-                let (stiffness, mass) = (point.stiffness * undamped.sigma, point.mass * undamped.nu);
+                let (stiffness, mass) = (point.stiffness * undamped.stiffness, point.mass * undamped.mass);
                 Some(Asked { stiffness, mass })
             };
             let problems: Vec<Asked> = open.iter().filter_map(problem).collect();

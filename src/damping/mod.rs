@@ -112,11 +112,18 @@ impl Damping {
         Self { contact: 0.0, ..self }
     }
 
-    /// The undamped problem that decides whether 2/y is stable, y > A. No entry has more than 5 roundings: y and A are
-    /// numbers as stored, so that y - A has one.
-    fn at(&self, y: f64) -> Undamped {
+    /// The undamped problem that decides whether the step dt (s) is stable: a tool that answers for undamped contacts, such
+    /// as the largest penalty for a step, so answers for damped ones. `None` unless 2/dt > A, where only contacts that hold all
+    /// unknowns could be stable.
+    pub fn equivalent(&self, time_step: f64) -> Option<Equivalent> {
+        let y = 2.0 / time_step;
+        (y > self.mass && y.is_finite()).then(|| self.at(y))
+    }
+
+    /// The same at y = 2/dt > A. No entry has more than 5 roundings: y and A are numbers as stored, so that y - A has one.
+    fn at(&self, y: f64) -> Equivalent {
         let (free, slow, contact) = (y - self.mass, 1.0 + self.stiffness * y, 1.0 + self.contact * y);
-        Undamped { kappa: y * (free / slow), sigma: contact / slow, nu: y / free }
+        Equivalent { l: y * (free / slow), stiffness: contact / slow, mass: y / free }
     }
 
     /// rho at y, a little less than it is.
@@ -139,18 +146,27 @@ impl Damping {
     }
 }
 
-/// l_max(K + sigma K_p, M + nu M_p) <= kappa.
+/// An undamped problem that is stable exactly when a damped one is: l_max(K + sigma K_p, M + nu M_p) <= kappa.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Undamped {
-    kappa: f64,
-    sigma: f64,
-    nu: f64,
+pub struct Equivalent {
+    /// kappa, rad^2/s^2: 4/dt^2 of the undamped problem.
+    pub l: f64,
+    /// sigma, which multiplies the stiffness penalty.
+    pub stiffness: f64,
+    /// nu, which multiplies the mass penalty.
+    pub mass: f64,
 }
 
-impl Undamped {
-    fn penalty(&self, penalty: &Penalty) -> Penalty {
-        let rate = penalty.rate * (self.sigma / self.nu);
-        Penalty { stiffness: penalty.stiffness * self.sigma, rate, ..*penalty }
+impl Equivalent {
+    /// The undamped step, s.
+    pub fn time_step(&self) -> f64 {
+        2.0 / self.l.sqrt()
+    }
+
+    /// The undamped penalty. With the ratio r it has the ratio r sigma/nu; the damped beta_s is the undamped one over sigma.
+    pub fn penalty(&self, penalty: &Penalty) -> Penalty {
+        let rate = penalty.rate * (self.stiffness / self.mass);
+        Penalty { stiffness: penalty.stiffness * self.stiffness, rate, ..*penalty }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The search for the limit y* = 2/h* of one point, by enclosures of undamped problems.
 
-use super::{Damping, Undamped};
+use super::{Damping, Equivalent};
 use crate::spectrum::{Enclosure, Step, UNIT_ROUNDOFF};
 
 /// Relative error of l_max/kappa: 6 unit roundoffs of s, 15 of m, 5 of kappa and one of the quotient.
@@ -44,13 +44,13 @@ impl Search {
     }
 
     /// The next problem to enclose; `None` at the end.
-    pub fn ask(&self) -> Option<Undamped> {
+    pub fn ask(&self) -> Option<Equivalent> {
         (self.state == Progress::Open).then(|| self.damping.at(self.next))
     }
 
     /// Takes an enclosure of the l_max that was asked for.
     pub fn tell(&mut self, l_max: Enclosure) {
-        let (y, kappa) = (self.next, self.damping.at(self.next).kappa);
+        let (y, kappa) = (self.next, self.damping.at(self.next).l);
         let (least, most) = (l_max.lower / kappa * (1.0 - ROUNDING), l_max.upper / kappa * (1.0 + ROUNDING));
         if !(least > 0.0 && most >= least && most.is_finite() && kappa.is_finite()) {
             self.state = Progress::Failed;
