@@ -27,7 +27,9 @@ use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
 use bipenalty::pencil::{Bounds, Matrix, Penalty, Pencil};
 use bipenalty::scene::End;
-use bipenalty::schemes::{DampedCentralDifference, SchemeName, damped_limit};
+use bipenalty::schemes::{
+    DampedCentralDifference, DampedPredictorCorrector, SchemeName, damped, damped_limit,
+};
 use bipenalty::spectrum::{Dense, Enclosure, Engine, Evidence, StepLimit, Sturm, Uncertified, engine};
 
 scheme_conformance! {
@@ -36,6 +38,9 @@ scheme_conformance! {
     by_stiffness => DampedCentralDifference::new(Damping::new(0.0, 0.2, 0.0).unwrap());
     by_contact => DampedCentralDifference::new(Damping::new(0.0, 0.0, 0.1).unwrap());
     by_all => DampedCentralDifference::new(Damping::new(0.1, 0.05, 0.3).unwrap());
+    predicted_undamped => DampedPredictorCorrector::default();
+    predicted_by_bodies => DampedPredictorCorrector::new(Damping::new(0.1, 0.05, 0.0).unwrap());
+    predicted_by_all => DampedPredictorCorrector::new(Damping::new(0.1, 0.05, 0.3).unwrap());
 }
 
 fn damping(mass: f64, stiffness: f64, contact: f64) -> Damping {
@@ -141,6 +146,14 @@ fn what_is_not_derived_is_refused() {
     let refusal = of(SchemeName::Park, damping(1.0, 0.0, 0.0)).err().unwrap();
     assert!(refusal.value.contains("not derived"), "{refusal}");
     assert!(of(SchemeName::Park, Damping::NONE).is_ok());
+    assert!(
+        damped(SchemeName::Park, damping(1.0, 0.0, 0.0)).unwrap_err().allowed.contains("without damping")
+    );
+    for name in SchemeName::ALL {
+        assert_eq!(damped(name, Damping::NONE).unwrap().facts(), name.facts());
+    }
+    let scheme = damped(SchemeName::PredictorCorrector, damping(0.0, 0.0, 1.0)).unwrap();
+    assert_eq!(scheme.facts().name, "damped-predictor-corrector");
 }
 
 /// An engine that counts what it is asked.

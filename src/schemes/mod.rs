@@ -35,7 +35,7 @@ use std::fmt::Debug;
 pub use body::{Body, System};
 pub use central_difference::CentralDifference;
 pub use contact::Contacts;
-pub use damped::{DampedBound, DampedCentralDifference, damped_limit};
+pub use damped::{DampedBound, DampedCentralDifference, DampedPredictorCorrector, damped, damped_limit};
 pub use energy::Energy;
 pub use name::SchemeName;
 pub use operator::Operator;

@@ -4,7 +4,7 @@ use bipenalty::damping::Damping;
 use bipenalty::fem::MassMatrix;
 use bipenalty::pencil::Penalty;
 use bipenalty::scene::End;
-use bipenalty::schemes::{ContactRule, DampedCentralDifference, Scheme, System};
+use bipenalty::schemes::{ContactRule, DampedCentralDifference, Scheme, SchemeName, System, damped};
 use bipenalty::spectrum::engine;
 
 use crate::numbers::Numbers;
@@ -14,11 +14,12 @@ use crate::scenes;
 #[test]
 fn the_balance_of_energies_is_kept() {
     let mut numbers = Numbers(23);
-    for case in 0..40 {
+    for case in 0..60 {
         let (pencil, mut penalty) = scenes::bars(&mut numbers);
         penalty.stiffness = penalty.stiffness.min(1e2);
         let damping = scenes::damping(&mut numbers, &pencil);
-        let scheme = DampedCentralDifference::new(damping);
+        let names = [SchemeName::CentralDifference, SchemeName::PredictorCorrector];
+        let scheme = damped(names[case / 2 % 2], damping).unwrap();
         let limit = scheme.limit(&pencil, engine(&pencil).unwrap()).unwrap().enclose(&penalty, None).unwrap();
         let n = pencil.size();
         let system = System {

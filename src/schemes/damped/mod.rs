@@ -1,12 +1,15 @@
 //! Central differences with damping that lags half a step behind, and what damping makes of the other limits.
 
 mod bound;
-mod motion;
+mod central_difference;
+mod dampers;
+mod predictor_corrector;
 
 pub use bound::DampedBound;
-use motion::Steps;
 
-use super::{CentralDifference, ContactSearch, Facts, Motion, Onset, Scheme, System};
+use std::sync::Arc;
+
+use super::{CentralDifference, ContactSearch, Facts, Motion, Onset, PredictorCorrector, Scheme, System};
 use crate::damping::{DampedLimit, Damping};
 use crate::error::Refusal;
 use crate::pencil::Pencil;
@@ -53,7 +56,7 @@ impl Scheme for DampedCentralDifference {
     }
 
     fn start(&self, system: System<'_>, u: Vec<f64>, v: Vec<f64>) -> Result<Box<dyn Motion>, Refusal> {
-        Ok(Box::new(Steps::start(self.damping, &system, u, v)?))
+        Ok(Box::new(central_difference::Steps::start(self.damping, &system, u, v)?))
     }
 
     fn limit<'a>(
@@ -63,6 +66,71 @@ impl Scheme for DampedCentralDifference {
     ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
         Ok(Box::new(DampedLimit::new(pencil, spectrum, self.damping)))
     }
+}
+
+/// The predictor-corrector with bodies damped by A M + B K and contacts by c K_p; its limit is known from below, see
+/// [`DampedBound`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DampedPredictorCorrector {
+    damping: Damping,
+}
+
+impl DampedPredictorCorrector {
+    /// With C = `damping`; without damping these are the steps of [`PredictorCorrector`].
+    pub fn new(damping: Damping) -> Self {
+        Self { damping }
+    }
+
+    /// C.
+    pub fn damping(&self) -> Damping {
+        self.damping
+    }
+}
+
+impl Scheme for DampedPredictorCorrector {
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "damped-predictor-corrector",
+            title: "damped predictor-corrector",
+            gains_nothing: false,
+            reaction: "s (g_pred + c Z'v_pred)/(1 + m mu)",
+            closed_limit: "at least where h^2 + c h = 1/s' mu and 4 M - 2 h (A M + B K) - h^2 K >= 0",
+            ..PredictorCorrector.facts()
+        }
+    }
+
+    fn start(&self, system: System<'_>, u: Vec<f64>, v: Vec<f64>) -> Result<Box<dyn Motion>, Refusal> {
+        Ok(Box::new(predictor_corrector::Steps::start(self.damping, &system, u, v)?))
+    }
+
+    fn limit<'a>(
+        &self,
+        pencil: &'a Pencil,
+        spectrum: Box<dyn Engine + 'a>,
+    ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
+        damped_limit(SchemeName::PredictorCorrector, pencil, spectrum, self.damping)
+    }
+}
+
+/// A scheme of this crate damped by C.
+///
+/// # Errors
+/// The Park scheme with damping, as [`damped_limit`].
+pub fn damped(scheme: SchemeName, damping: Damping) -> Result<Arc<dyn Scheme>, Refusal> {
+    match scheme {
+        _ if damping.is_none() => Ok(scheme.into()),
+        SchemeName::CentralDifference => Ok(Arc::new(DampedCentralDifference::new(damping))),
+        SchemeName::PredictorCorrector => Ok(Arc::new(DampedPredictorCorrector::new(damping))),
+        SchemeName::Park => Err(no_damped_park()),
+    }
+}
+
+fn no_damped_park() -> Refusal {
+    Refusal::new(
+        "damping",
+        "the Park scheme with damping, whose limit is not derived",
+        "the Park scheme without damping, or central-difference and predictor-corrector with it",
+    )
 }
 
 /// What is known of the limit of a scheme of this crate once it is damped by C, contacts closed.
@@ -86,10 +154,6 @@ pub fn damped_limit<'a>(
     match scheme {
         SchemeName::CentralDifference => Ok(Box::new(DampedLimit::new(pencil, spectrum, damping))),
         SchemeName::PredictorCorrector => Ok(Box::new(DampedBound::new(pencil, spectrum, damping)?)),
-        SchemeName::Park => Err(Refusal::new(
-            "damping",
-            "the Park scheme with damping, whose limit is not derived",
-            "the Park scheme without damping, or central-difference and predictor-corrector with it",
-        )),
+        SchemeName::Park => Err(no_damped_park()),
     }
 }

@@ -8,6 +8,7 @@
 //! ```
 //! by the same summation by parts.
 
+use super::dampers::Dampers;
 use crate::damping::Damping;
 use crate::error::Refusal;
 use crate::schemes::{Body, Energy, Motion, State, System};
@@ -15,7 +16,9 @@ use crate::schemes::{Body, Energy, Motion, State, System};
 /// A motion by damped central differences.
 #[derive(Debug)]
 pub(super) struct Steps {
-    damping: Damping,
+    dampers: Dampers,
+    /// c, s.
+    contact: f64,
     body: Body,
     state: State,
     /// The last h a, m/s, and Z' of it.
@@ -23,10 +26,7 @@ pub(super) struct Steps {
     gap_kick: Vec<f64>,
     /// Whether force, kick and `closed` belong to the present displacement.
     synchronised: bool,
-    /// Energy that A M + B K have taken, J, if it is wanted.
-    dissipated: f64,
     account: bool,
-    moved: Vec<f64>,
     pull: Vec<f64>,
     push: Vec<f64>,
 }
@@ -44,13 +44,12 @@ impl Steps {
         let (n, k) = (u.len(), body.contacts.len());
         let state = State::new(&body.contacts, u, v, body.dt);
         let mut steps = Self {
-            damping,
+            dampers: Dampers::new(damping, n),
+            contact: damping.contact(),
             kick: vec![0.0; n],
             gap_kick: vec![0.0; k],
             synchronised: false,
-            dissipated: 0.0,
             account: system.account,
-            moved: vec![0.0; n],
             pull: vec![0.0; k],
             push: vec![0.0; k],
             body,
@@ -67,17 +66,12 @@ impl Steps {
 
     /// Reactions and h a at the time of u.
     fn accelerate(&mut self) {
-        let Self { body: Body { contacts, operator, dt, rule, .. }, state, kick, damping, .. } = self;
-        for (moved, (u, v)) in self.moved.iter_mut().zip(state.displacement.iter().zip(&state.velocity)) {
-            *moved = u + damping.stiffness() * v;
-        }
-        operator.apply(&self.moved, kick);
-        let lag = damping.mass() * *dt;
-        kick.iter_mut().zip(&state.velocity).for_each(|(kick, v)| *kick -= lag * v);
+        self.dampers.kick(&self.body, &self.state, &mut self.kick);
+        let Self { body: Body { contacts, dt, rule, .. }, state, kick, .. } = self;
         state.search(*rule);
         for j in 0..contacts.len() {
             self.pull[j] = contacts.across(j, kick) / *dt;
-            self.push[j] = state.gap[j] + damping.contact() * state.gap_velocity[j];
+            self.push[j] = state.gap[j] + self.contact * state.gap_velocity[j];
         }
         contacts.reactions(&state.closed, &self.push, Some(&self.pull), &mut state.force);
         contacts.add_columns(-*dt, &state.force, kick);
@@ -96,10 +90,7 @@ impl Steps {
         let v = &self.state.velocity;
         let next: Vec<f64> = v.iter().zip(&self.kick).map(|(v, kick)| v + kick).collect();
         let sum: Vec<f64> = v.iter().zip(&next).map(|(v, next)| v + next).collect();
-        let (pencil, damping) = (&self.body.pencil, self.damping);
-        let (mass, stiffness) =
-            (pencil.mass().quadratic(&sum, &next), pencil.stiffness().strain(&sum, &next));
-        0.5 * self.body.dt * (damping.mass() * mass + damping.stiffness() * stiffness)
+        0.5 * self.body.dt * self.dampers.power(&self.body.pencil, &sum, &next)
     }
 }
 
@@ -107,7 +98,7 @@ impl Motion for Steps {
     fn step(&mut self) {
         self.synchronise();
         if self.account {
-            self.dissipated += self.lost_to_damping();
+            self.dampers.dissipated += self.lost_to_damping();
         }
         let Self { body: Body { contacts, operator, dt, .. }, state, .. } = self;
         operator.drift(*dt, &self.kick, &mut state.velocity, &mut state.displacement);
@@ -142,10 +133,10 @@ impl Motion for Steps {
 
     fn energy(&mut self) -> Energy {
         self.synchronise();
-        let mut velocity = std::mem::take(&mut self.moved);
+        let mut velocity = std::mem::take(self.dampers.scratch());
         self.velocity(&mut velocity);
         let energy = self.body.energy(&self.state, &velocity);
-        self.moved = velocity;
+        *self.dampers.scratch() = velocity;
         let shadow = -0.125 * self.body.pencil.mass().quadratic(&self.kick, &self.kick);
         let gaps = self.body.pencil.gaps();
         let stored = |j: usize| {
@@ -154,6 +145,10 @@ impl Motion for Steps {
             0.5 * (s * self.state.gap[j] * self.state.gap[j] + m * velocity * velocity)
         };
         let penalty = (0..gaps.len()).filter(|j| self.state.closed[*j]).map(stored).sum();
-        Energy { penalty, loss: self.state.balance_work - penalty + shadow + self.dissipated, ..energy }
+        Energy {
+            penalty,
+            loss: self.state.balance_work - penalty + shadow + self.dampers.dissipated,
+            ..energy
+        }
     }
 }
