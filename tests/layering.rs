@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 16] = [
+const MAY_NAME: [(&str, &[&str]); 17] = [
     ("error", &[]),
     ("memory", &["error"]),
     ("scene", &["error"]),
@@ -19,6 +19,7 @@ const MAY_NAME: [(&str, &[&str]); 16] = [
     ("mesh", &["error", "memory", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),
     ("convex", &["error", "sparse", "pencil"]),
+    ("damping", &["error", "pencil", "spectrum", "convex"]),
     ("penalty", &["error", "pencil"]),
     ("spectrum", &["error", "double_double", "sparse", "pencil"]),
     (
@@ -28,7 +29,7 @@ const MAY_NAME: [(&str, &[&str]); 16] = [
             "matrices", "convex",
         ],
     ),
-    ("schemes", &["error", "double_double", "sparse", "pencil", "spectrum"]),
+    ("schemes", &["error", "double_double", "sparse", "pencil", "spectrum", "damping"]),
     (
         "impact",
         &["error", "memory", "scene", "fem", "mesh", "pencil", "penalty", "spectrum", "schemes", "stability"],

@@ -21,7 +21,7 @@ use crate::spectrum::{Enclosure, Engine, Step, StepLimit, UNIT_ROUNDOFF, Uncerti
 const MOST_CONTACTS: usize = 300;
 
 /// The lower bound of the limit for any pencil.
-pub(super) struct Bound {
+pub(in crate::schemes) struct Bound {
     contact_free: Enclosure,
     /// l_max(P, M), rad^2/s^2: that of W^1/2 G W^1/2, k x k, and its relative error.
     contact: f64,
@@ -36,6 +36,14 @@ impl Bound {
     /// # Errors
     /// A contact-free l_max that cannot be certified, and a mass that has no factor.
     pub fn new(pencil: &Pencil, spectrum: Box<dyn Engine + '_>) -> Result<Self, Refusal> {
+        Self::beside(pencil, contact_free(&*spectrum)?)
+    }
+
+    /// For `pencil`, whose bodies allow 4/dt^2 = `contact_free`.
+    ///
+    /// # Errors
+    /// A mass that has no factor.
+    pub fn beside(pencil: &Pencil, contact_free: Enclosure) -> Result<Self, Refusal> {
         let contacts = Contacts::new(pencil, &Penalty::NONE)?;
         let (k, n) = (contacts.len(), pencil.size() as f64);
         let root = |j: usize| pencil.gaps()[j].scale.sqrt();
@@ -46,7 +54,7 @@ impl Bound {
         let factor = if pencil.mass().is_diagonal() { 4.0 } else { pencil.bounds().mass * n * (n + 1.0) };
         let error = UNIT_ROUNDOFF * (factor + 8.0 * (k * k) as f64 + 16.0);
         Ok(Self {
-            contact_free: contact_free(&*spectrum)?,
+            contact_free,
             contact: eigenvalues.last().copied().unwrap_or(0.0),
             error,
             determinant: Determinant::new(&eigenvalues, error),
@@ -94,6 +102,18 @@ impl Bound {
         Self { contact_free, contact, error, determinant, spreads_mass }
     }
 
+    /// 4/(a + 1/(beta_s l_max(P, M))), rad^2/s^2, with its error.
+    ///
+    /// # Errors
+    /// The diagonalised mass penalty of a pair.
+    pub fn of_contacts(&self, penalty: &Penalty) -> Result<Enclosure, Uncertified> {
+        if penalty.form == PenaltyMass::Diagonalised && self.spreads_mass {
+            return Err(Uncertified { value: f64::NAN, width: f64::INFINITY });
+        }
+        let value = self.contact_eigenvalue(penalty);
+        Ok(Enclosure { value, lower: value * (1.0 - self.error), upper: value * (1.0 + self.error) })
+    }
+
     /// 4/(a + 1/(beta_s l_max(P, M))), rad^2/s^2.
     fn contact_eigenvalue(&self, penalty: &Penalty) -> f64 {
         let own = penalty.stiffness * self.contact;
@@ -112,17 +132,14 @@ impl StepLimit for Bound {
     }
 
     fn enclose(&self, penalty: &Penalty, _start: Option<f64>) -> Result<Step, Uncertified> {
-        if penalty.form == PenaltyMass::Diagonalised && self.spreads_mass {
-            return Err(Uncertified { value: f64::NAN, width: f64::INFINITY });
-        }
-        let (q, free) = (self.contact_eigenvalue(penalty), self.contact_free);
-        if q == 0.0 {
+        let (q, free) = (self.of_contacts(penalty)?, self.contact_free);
+        if q.value == 0.0 {
             return Ok(Step::proven(free));
         }
-        let upper = free.upper.max(q * (1.0 + self.error));
+        let (value, upper) = (free.value.max(q.value), free.upper.max(q.upper));
         let lower = 4.0 / self.determinant.unstable_from(penalty.stiffness, penalty.rate);
         let lower = lower * (1.0 - 4.0 * UNIT_ROUNDOFF);
-        Ok(Step::between(Enclosure { value: free.value.max(q), lower, upper }))
+        Ok(Step::between(Enclosure { value, lower, upper }))
     }
 
     fn costs_nothing(&self, penalty: &Penalty) -> bool {

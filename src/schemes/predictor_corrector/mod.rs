@@ -7,7 +7,7 @@ mod growth;
 mod limit;
 mod motion;
 
-use bound::Bound;
+pub(super) use bound::Bound;
 pub use limit::ClosedLimit;
 use motion::Steps;
 
