@@ -10,21 +10,21 @@ use crate::spectrum::{Enclosure, Evidence, Step, StepLimit, Uncertified};
 
 /// The map of damped steps of one mesh.
 #[derive(Debug)]
-pub struct DampedCurve<'a> {
-    curve: Curve<'a>,
+pub struct DampedCurve {
+    curve: Curve,
     damping: Damping,
     unheld: bool,
 }
 
-impl<'a> DampedCurve<'a> {
+impl DampedCurve {
     /// For the `curve` of `pencil`.
-    pub fn new(pencil: &MeshPencil, curve: Curve<'a>, damping: Damping) -> Self {
+    pub fn new(pencil: &MeshPencil, curve: Curve, damping: Damping) -> Self {
         let unheld = Unheld::of(pencil.contacts(), pencil.size()).under(PenaltyMass::Consistent);
         Self { curve, damping, unheld }
     }
 
     /// The curve, with all that is known of it by now.
-    pub fn curve(&self) -> &Curve<'a> {
+    pub fn curve(&self) -> &Curve {
         &self.curve
     }
 
@@ -90,16 +90,16 @@ fn result(search: &Search, last: Result<Enclosed, TooWide>) -> Result<Step, TooW
 
 /// The same limit point by point, for what takes any limit.
 #[derive(Debug)]
-pub struct DampedMesh<'a>(Mutex<DampedCurve<'a>>);
+pub struct DampedMesh(Mutex<DampedCurve>);
 
-impl<'a> DampedMesh<'a> {
+impl DampedMesh {
     /// Of a map.
-    pub fn new(curve: DampedCurve<'a>) -> Self {
+    pub fn new(curve: DampedCurve) -> Self {
         Self(Mutex::new(curve))
     }
 }
 
-impl StepLimit for DampedMesh<'_> {
+impl StepLimit for DampedMesh {
     fn name(&self) -> &'static str {
         "curve"
     }

@@ -12,7 +12,8 @@ mod optimal_ratio;
 mod uniform_bar;
 
 pub use any::{
-    AnyModel, AnyScene, Asking, ContactShare, Governing, Largest, LimitOf, MeshModel, Plan, Prover, with_limit,
+    AnyModel, AnyScene, Asking, ContactShare, Governing, Largest, LimitOf, MeshModel, Plan, Prover,
+    with_limit,
 };
 pub use auto::Auto;
 pub use closed_form::ClosedForm;

@@ -52,9 +52,10 @@ fn explain_mesh(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<S
     let plan = model.plan(grid.len(), &limit.asking()?)?;
     let proof = match plan.prover {
         Some(Prover::Factorisation) => "by sparse Cholesky factorisations of all unknowns".to_owned(),
-        Some(Prover::Patches { edge }) => {
-            format!("by Cholesky factorisations of patches, {edge} elements along an edge")
-        }
+        Some(Prover::Patches { edge, total, different, largest }) => format!(
+            "by Cholesky factorisations of {different} of {total} patches (the others are equal to them), {edge} elements along \
+             an edge, at most {largest} unknowns"
+        ),
         Some(Prover::Chance { probability, steps }) => {
             format!("by no proof: Lanczos of {steps} steps, wrong with a probability of {probability:e}")
         }

@@ -115,21 +115,22 @@ impl Scheme for DampedPredictorCorrector {
 /// A scheme of this crate damped by C.
 ///
 /// # Errors
-/// The Park scheme with damping, as [`damped_limit`].
+/// Damping of other schemes, as [`damped_limit`].
 pub fn damped(scheme: SchemeName, damping: Damping) -> Result<Arc<dyn Scheme>, Refusal> {
     match scheme {
         _ if damping.is_none() => Ok(scheme.into()),
         SchemeName::CentralDifference => Ok(Arc::new(DampedCentralDifference::new(damping))),
         SchemeName::PredictorCorrector => Ok(Arc::new(DampedPredictorCorrector::new(damping))),
-        SchemeName::Park => Err(no_damped_park()),
+        other => Err(no_damping(other)),
     }
 }
 
-fn no_damped_park() -> Refusal {
+fn no_damping(scheme: SchemeName) -> Refusal {
+    let value = format!("{} with damping, whose limit is not derived", scheme.name());
     Refusal::new(
         "damping",
-        "the Park scheme with damping, whose limit is not derived",
-        "the Park scheme without damping, or central-difference and predictor-corrector with it",
+        value,
+        "none with this scheme, or central-difference and predictor-corrector with it",
     )
 }
 
@@ -141,7 +142,7 @@ fn no_damped_park() -> Refusal {
 ///   there, and the velocity that C brings in takes this from the proof; no other condition is known.
 ///
 /// # Errors
-/// The Park scheme with damping, and what the limit of the scheme itself refuses.
+/// Damping of other schemes, and what the limit of the scheme itself refuses.
 pub fn damped_limit<'a>(
     scheme: SchemeName,
     pencil: &'a Pencil,
@@ -154,6 +155,6 @@ pub fn damped_limit<'a>(
     match scheme {
         SchemeName::CentralDifference => Ok(Box::new(DampedLimit::new(pencil, spectrum, damping))),
         SchemeName::PredictorCorrector => Ok(Box::new(DampedBound::new(pencil, spectrum, damping)?)),
-        SchemeName::Park => Err(no_damped_park()),
+        other => Err(no_damping(other)),
     }
 }
