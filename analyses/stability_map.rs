@@ -9,13 +9,14 @@ use std::process::ExitCode;
 
 use analyses::charts;
 use analyses::cli::{
-    Analysis, Chart, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress, RatioSpec, SceneOptions,
-    Solved, Verdict, check_stems, narrate, paper, point_answers, print_summaries, redraw_stability,
+    Analysis, Chart, Format, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress, RatioSpec,
+    SceneOptions, Solved, Verdict, check_stems, governing_answer, narrate, paper, point_answers,
+    print_summaries, redraw_stability,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{StabilityRow, Subject};
 use bipenalty::scene::built_in;
-use bipenalty::stability::Axis;
+use bipenalty::stability::{AnyModel, Axis};
 use clap::{Parser, ValueHint};
 
 /// Critical time steps of bodies in contact: C_r over the stiffness penalty and the ratio, certified.
@@ -55,6 +56,7 @@ const EXAMPLES: &str = "Examples:
   stability-map two-blocks.toml --beta-s log:1e-3:1e9:100 --ratio log:0.1:1e3:100   the map of a mesh
   stability-map hunek --limit predictor-corrector --beta-s 1e6 --ratio plastic
   stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv
+  stability-map two-blocks.toml --beta-s 10 --ratio inf --format vtu   who governs the step, and its mode
   stability-map --from figures/stability-map/fig3-1-lumped.csv --width single --format pdf,tex";
 
 /// Records to draw again, or maps to compute.
@@ -156,6 +158,33 @@ fn compute(options: &Options, jobs: &[Job], output: &Output) -> Result<(Found, u
     Ok((found, files))
 }
 
+/// Which contacts, bodies and elements of a mesh govern its few points; their modes as files where asked for.
+fn modes(
+    job: &Job,
+    solved: &Solved,
+    limit: &LimitOptions,
+    output: &Output,
+    answers: &mut Vec<String>,
+) -> Result<usize> {
+    if matches!(&*solved.model, AnyModel::Bars(_)) || limit.limit.scheme().is_some() {
+        return Ok(0);
+    }
+    let (asking, mut files) = (limit.asking()?, 0);
+    for (ratio, point) in solved.curves.iter().flat_map(|c| c.points.iter().map(move |p| (c.ratio.get(), p)))
+    {
+        let beta_s = point.stiffness_penalty.get();
+        if point.step.is_err() {
+            continue;
+        }
+        let governing = solved.model.governs(beta_s, ratio, &asking)?;
+        answers.push(governing_answer(&solved.model, beta_s, ratio, &governing));
+        let stem = format!("{}-{beta_s}-{ratio}", job.stem);
+        let mode = |out: &mut Vec<u8>| solved.model.write_mode(&governing, out, &stem);
+        files += output.write_vtu(&stem, mode)?.len();
+    }
+    Ok(files)
+}
+
 /// The figures of the paper, or one figure for each scene and mass matrix that was asked for.
 fn plan(options: &Options) -> Result<Vec<Job>> {
     if let Some(c) = options.relative_courant.filter(|_| options.ratio != Some(RatioSpec::Plastic)) {
@@ -206,8 +235,31 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         jobs
     };
     jobs.iter().flat_map(|job| &job.models).try_for_each(|model| options.limit.check(model))?;
+    if options.output.format.contains(&Format::Vtu) {
+        jobs.iter().try_for_each(|job| check_modes(job, &options.limit))?;
+    }
     check_stems(&options.output, jobs.iter().map(|job| job.stem.clone()))?;
     Ok(jobs)
+}
+
+/// Refuses modes of what has none that a file could hold.
+fn check_modes(job: &Job, limit: &LimitOptions) -> Result<()> {
+    let refuse = |value: String, allowed: &str| Err(Refusal::new("--format", value, allowed).into());
+    if let Some(model) =
+        job.models.iter().find(|model| model.mass().is_none() || matches!(***model, AnyModel::Bars(_)))
+    {
+        return refuse(format!("vtu with scene {}", model.name()), "a scene of [[body]], which has a mesh");
+    }
+    if limit.limit.scheme().is_some() {
+        return refuse(
+            format!("vtu with --limit {}", limit.limit.name()),
+            "--limit spectrum, which has a mode",
+        );
+    }
+    match job.points() {
+        n if n > FEW_POINTS => refuse(format!("vtu of {n} points"), "at most 8 points"),
+        _ => Ok(()),
+    }
 }
 
 /// Draws the chart of a job from its rows; contour lines come from the equation of a level, not from the grid.

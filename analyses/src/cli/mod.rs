@@ -32,7 +32,9 @@ pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use plan::explain;
 pub use progress::Progress;
 pub use redraw::{redraw_optimal_ratio, redraw_stability};
-pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};
+pub use summary::{
+    MapSummary, governing_answer, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios,
+};
 pub use verification::print_verification;
 
 use std::process::ExitCode;

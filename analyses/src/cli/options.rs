@@ -250,7 +250,7 @@ pub struct OutputOptions {
     /// Directory for the files [default: figures/TOOL]
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
-    /// What to write: svg, png, pdf, csv, json, tex, record
+    /// What to write: svg, png, pdf, csv, json, tex, record; vtu, the critical modes of up to 8 points of a mesh (stability-map)
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "svg,png,csv,record")]
     pub format: Vec<Format>,
     /// Printed width of the figures: single (a column, 90 mm) or double (a page, 190 mm) [default: by panels]
@@ -305,6 +305,8 @@ pub enum Format {
     Tex,
     /// Command, revision, scene, engine, time and checks of each figure, as FIGURE.record.json
     Record,
+    /// The mesh with a mode or a state, for ParaView
+    Vtu,
 }
 
 impl Format {
@@ -318,6 +320,7 @@ impl Format {
             Self::Csv => "csv",
             Self::Json => "json",
             Self::Record => "record.json",
+            Self::Vtu => "vtu",
         }
     }
 

@@ -7,7 +7,7 @@ use comfy_table::{CellAlignment, Table};
 use super::Solved;
 use crate::record::{GIVEN, ImpactRow, Number, OptimalRatioRow, StabilityRow};
 use bipenalty::penalty::Ratio;
-use bipenalty::stability::{AnyModel, CriticalStep, Curve, MapPoint, Model};
+use bipenalty::stability::{AnyModel, CriticalStep, Curve, Governing, MapPoint, Model};
 
 /// What the summary says of one scene with one mass matrix, over all its maps.
 #[derive(Debug, Clone, PartialEq)]
@@ -317,6 +317,41 @@ pub fn point_answers(solved: &Solved, rows: &[StabilityRow]) -> Vec<String> {
         ))
     };
     points.zip(rows).filter_map(answer).collect()
+}
+
+/// What governs a point, in words: contacts and bodies of at least a tenth, and the first element.
+pub fn governing_answer(model: &AnyModel, beta_s: f64, ratio: f64, governing: &Governing) -> String {
+    const SHARE: f64 = 0.1;
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let contacts: Vec<String> =
+        governing.contacts.iter().filter(|c| c.share >= SHARE).map(ToString::to_string).collect();
+    let bodies: Vec<String> = governing
+        .bodies
+        .iter()
+        .filter(|(_, share)| *share >= SHARE)
+        .map(|(name, share)| format!("{name} {}", percent(*share)))
+        .collect();
+    let mut text = format!(
+        "{}, beta_s = {}, r = {}: {} of the elastic energy of the critical mode is in its {} contacts",
+        model.name(),
+        short(beta_s),
+        short(ratio),
+        percent(governing.contact_energy),
+        model.contacts(),
+    );
+    if governing.contact_energy >= SHARE {
+        text += &match contacts.is_empty() {
+            true => ", none of which holds a tenth".to_owned(),
+            false => format!("; of it {}", contacts.join(", ")),
+        };
+    }
+    if !bodies.is_empty() {
+        text += &format!("; in motion: {}", bodies.join(", "));
+    }
+    if let Some((element, share)) = governing.elements.first() {
+        text += &format!("; strained most: element {} ({})", element + 1, percent(*share));
+    }
+    text
 }
 
 /// A number as short as it can be written.
