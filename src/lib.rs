@@ -15,6 +15,9 @@
 //! steps and maps of it. [`schemes`] step in time, [`impact`] makes runs of them beside exact solutions, [`verify`] finds
 //! their limits by stepping alone.
 //!
+//! [`damping`] tells what dampers of bodies and contacts leave of a step, [`schemes::explicit`] what other explicit schemes
+//! stand and cost.
+//!
 //! A pencil may come from elsewhere: matrices of any mesh, gaps as sparse columns ([`pencil::Pencil::new`]), elements of
 //! one's own ([`fem::assemble_elements`]). So may an engine ([`spectrum::Engine`]) and a scheme ([`schemes::Scheme`]);
 //! `tests/extensions` has one of each, a page long, and the suites that they pass.
