@@ -20,6 +20,6 @@ pub use impactproblem::{ImpactErrors, Impactproblem, SCENES};
 pub use measurement::{Family, Measurement, Status, mark_front};
 pub use measuring::{measure_eigenvalues, measure_impacts};
 pub use methods::Method;
-pub use table::markdown;
+pub use table::{distinct, markdown};
 
-pub use extreme::{Case, Checked, Computed, Found, Reference, References, Unreadable, cases};
+pub use extreme::{Answer, Case, Checked, Found, References, Unreadable, cases};
