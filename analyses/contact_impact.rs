@@ -145,7 +145,7 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
     let grid = checked_grid(&options.beta_s, &options.ratio)?;
     require_memory(&grid, BYTES_PER_RUN * options.scheme.len() as u64)?;
     let mut figures = Vec::new();
-    for model in asked.scenes()?.iter().flat_map(|scene| asked.models(scene)) {
+    for model in asked.bars()?.iter().flat_map(|scene| asked.bar_models(scene)) {
         check_has_contact(&model)?;
         model.check_grid(&grid)?;
         check_form(&model, &grid)?;

@@ -105,6 +105,8 @@
 //! | C, C_r | `relative_courant`, `critical_courant` | 1 | dt/dt_cr, c0 dt_cr/h |
 
 pub mod convex;
+pub mod damping;
+pub mod double_double;
 pub mod error;
 pub mod fem;
 pub mod impact;

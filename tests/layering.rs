@@ -8,21 +8,32 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 15] = [
+const MAY_NAME: [(&str, &[&str]); 17] = [
     ("error", &[]),
     ("memory", &["error"]),
     ("scene", &["error"]),
     ("fem", &["error", "scene", "sparse", "pencil"]),
     ("pencil", &["error", "sparse"]),
     ("sparse", &[]),
+    ("double_double", &[]),
     ("mesh", &["error", "memory", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),
     ("convex", &["error", "sparse", "pencil"]),
+    ("damping", &["error", "pencil", "spectrum", "convex"]),
     ("penalty", &["error", "pencil"]),
-    ("spectrum", &["error", "sparse", "pencil"]),
-    ("stability", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit
-    ("schemes", &["error", "sparse", "pencil", "spectrum"]),
-    ("impact", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "stability"]),
+    ("spectrum", &["error", "double_double", "sparse", "pencil"]),
+    (
+        "stability", // of any scene, and the limits of schemes
+        &[
+            "error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "sparse", "mesh",
+            "matrices", "convex",
+        ],
+    ),
+    ("schemes", &["error", "double_double", "sparse", "pencil", "spectrum", "damping"]),
+    (
+        "impact",
+        &["error", "memory", "scene", "fem", "mesh", "pencil", "penalty", "spectrum", "schemes", "stability"],
+    ),
     ("verify", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "stability", "schemes", "impact"]),
 ];
 

@@ -5,7 +5,8 @@ use super::lanczos::{Search, largest};
 use super::operator::Operator;
 use super::patches::Patches;
 use super::pencil::MeshPencil;
-use super::point::{Asked, Enclosed, TooWide};
+
+use super::start::{self, Start};
 use super::subspace::{Line, Subspace};
 use super::upper::{Point, Upper};
 use super::vectors::dot;
@@ -21,7 +22,30 @@ pub enum Prover {
 }
 
 impl Prover {
-    fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64) -> Verdict {
+    /// A factorisation of the whole matrix, which may take `allowed` bytes.
+    ///
+    /// # Errors
+    /// It would take more.
+    pub fn whole(pencil: &MeshPencil, allowed: usize) -> Result<Self, Refusal> {
+        match Factorisation::new(pencil, allowed) {
+            Ok(factorisation) => Ok(Self::Whole(Box::new(factorisation))),
+            Err(TooLarge { needed, allowed }) => Err(Refusal::new(
+                "memory of the factorisation",
+                format!("{needed} bytes"),
+                format!("at most {allowed} bytes"),
+            )),
+        }
+    }
+
+    /// Bytes of the factors that are held at a time at most.
+    pub fn memory(&self) -> usize {
+        match self {
+            Self::Whole(factorisation) => factorisation.memory(),
+            Self::Patches(patches) => patches.memory(),
+        }
+    }
+
+    pub(super) fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64) -> Verdict {
         match self {
             Self::Whole(factorisation) => factorisation.prove(u, a, t, margin),
             Self::Patches(patches) => patches.prove(u, a, t, margin),
@@ -64,75 +88,70 @@ pub struct Effort {
     pub memory: usize,
 }
 
+/// How closely the excess of a bound by patches is looked for, relative to itself.
+const CLOSELY: f64 = 0.02;
+
 /// f of one pencil, with all that is known about it so far.
 #[derive(Debug)]
-pub struct Curve<'a> {
-    operator: Operator<'a>,
-    prover: Prover,
-    options: Options,
-    subspace: Subspace,
-    lines: Vec<Line>,
-    upper: Upper,
-    effort: Effort,
+pub struct Curve {
+    pub(super) operator: Operator,
+    pub(super) prover: Prover,
+    pub(super) options: Options,
+    pub(super) subspace: Subspace,
+    pub(super) lines: Vec<Line>,
+    pub(super) upper: Upper,
+    pub(super) effort: Effort,
     /// f(0) from below, and the t at which contact and mesh weigh alike, f(0)/mu.
     mesh: f64,
-    unit: f64,
+    pub(super) unit: f64,
 }
 
-impl<'a> Curve<'a> {
+impl Curve {
     /// The curve of a pencil, proven by factorising the whole matrix.
     ///
     /// # Errors
     /// M is not positive definite, the factor needs more than the allowed memory, or mu could not be proven.
-    pub fn new(pencil: &'a MeshPencil, options: Options) -> Result<Self, Refusal> {
-        let factorisation =
-            Factorisation::new(pencil, options.memory).map_err(|TooLarge { needed, allowed }| {
-                Refusal::new(
-                    "memory of the factorisation",
-                    format!("{needed} bytes"),
-                    format!("at most {allowed} bytes"),
-                )
-            })?;
-        Self::with(pencil, Prover::Whole(Box::new(factorisation)), options)
+    pub fn new(pencil: &MeshPencil, options: Options) -> Result<Self, Refusal> {
+        Self::with(pencil, Prover::whole(pencil, options.memory)?, options)
     }
 
     /// The curve of a pencil, proven by a prover of one's choice.
     ///
     /// # Errors
     /// As [`Curve::new`].
-    pub fn with(pencil: &'a MeshPencil, prover: Prover, options: Options) -> Result<Self, Refusal> {
-        let operator = Operator::new(pencil, options.memory)?;
-        let memory = match &prover {
-            Prover::Whole(factorisation) => factorisation.memory(),
-            Prover::Patches(_) => 0,
-        };
-        let effort = Effort { memory, ..Effort::default() };
-        let (subspace, upper) = (Subspace::new(pencil), Upper::new(f64::INFINITY));
+    pub fn with(pencil: &MeshPencil, prover: Prover, options: Options) -> Result<Self, Refusal> {
+        Self::begin(Start::new(pencil, &options)?, prover, options)
+    }
+
+    /// The curve that begins with a start.
+    ///
+    /// # Errors
+    /// mu could not be proven.
+    pub fn begin(start: Start, prover: Prover, options: Options) -> Result<Self, Refusal> {
+        let (mesh, vector) = (start.mesh(), start.vector);
+        let pencil = start.operator.pencil().clone();
+        let effort = Effort { memory: prover.memory(), ..Effort::default() };
+        let (subspace, upper) = (Subspace::new(&pencil), Upper::new(f64::INFINITY));
         let mut curve = Self {
-            operator,
+            operator: start.operator,
             prover,
             options,
             subspace,
             lines: Vec::new(),
             upper,
             effort,
-            mesh: 0.0,
+            mesh,
             unit: 1.0,
         };
-        curve.begin()?;
+        curve.ends(&vector)?;
         Ok(curve)
     }
 
-    /// mu = l_max(P, M), proven; f(0) sampled and proven.
-    fn begin(&mut self) -> Result<(), Refusal> {
+    /// mu = l_max(P, M), and f(0), whose vector is known: both proven.
+    fn ends(&mut self, top: &[f64]) -> Result<(), Refusal> {
         let mut slope = 0.0;
         if !self.operator.pencil().contacts().is_empty() {
-            let search = Search {
-                basis: self.options.basis,
-                tolerance: 1e-6,
-                most_products: self.options.most_products,
-                closed: false,
-            };
+            let search = Search { tolerance: start::TOLERANCE, ..self.search(false) };
             let found = largest(&self.operator, (0.0, 1.0), None, &search);
             self.subspace.add(&self.operator, &found.vector);
             slope = self.climb(found.value, (0.0, 1.0), found.residual.max(1e-9 * found.value)).ok_or_else(
@@ -146,8 +165,8 @@ impl<'a> Curve<'a> {
             )?;
         }
         self.upper = Upper::new(slope);
-        self.sample(0.0, false);
-        self.mesh = self.lower_at(0.0);
+        self.subspace.add(&self.operator, top);
+        self.lower_at(0.0);
         self.unit = if slope > 0.0 { self.mesh.abs().max(f64::MIN_POSITIVE) / slope } else { 1.0 };
         if self.mesh.is_nan() || self.mesh <= 0.0 {
             self.unit = 1.0;
@@ -156,33 +175,52 @@ impl<'a> Curve<'a> {
         Ok(())
     }
 
-    /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M).
+    /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M); of
+    /// patches, which are too high by their nature, how far is then looked for to a part of [`CLOSELY`].
     fn climb(&mut self, start: f64, combination: (f64, f64), step: f64) -> Option<f64> {
-        let (mut step, mut margin) = (step, 0.05 * step / start);
+        let (mut step, mut margin, mut failed) = (step, 0.05 * step / start, 0.0);
+        let mut proven = None;
         // 4^24 > 1e14: from the last digits to the size of the value.
         for _ in 0..24 {
-            let u = start + step;
-            self.effort.proofs += 1;
-            match self.prover.prove(u, combination, margin) {
-                Verdict::Proven => return Some(u),
-                Verdict::Refuted => step *= 4.0,
+            match self.try_to_prove(start + step, combination, margin) {
+                Verdict::Proven => {
+                    proven = Some(start + step);
+                    break;
+                }
+                Verdict::Refuted => (failed, step) = (step, 4.0 * step),
                 Verdict::TooClose(needed) => {
                     margin = 2.0 * needed;
-                    step = step.max(4.0 * margin * start);
+                    (failed, step) = (step, step.max(4.0 * margin * start));
                 }
             }
-            self.effort.failed += 1;
         }
-        None
+        if matches!(self.prover, Prover::Patches(_)) {
+            while proven.is_some() && failed > 0.0 && step > failed * (1.0 + CLOSELY) {
+                let middle = (failed * step).sqrt();
+                if self.try_to_prove(start + middle, combination, margin) == Verdict::Proven {
+                    (proven, step) = (Some(start + middle), middle);
+                } else {
+                    failed = middle;
+                }
+            }
+        }
+        proven
+    }
+
+    pub(super) fn try_to_prove(&mut self, u: f64, combination: (f64, f64), margin: f64) -> Verdict {
+        let verdict = self.prover.prove(u, combination, margin);
+        self.effort.proofs += 1;
+        self.effort.failed += usize::from(verdict != Verdict::Proven);
+        verdict
     }
 
     /// Relative width that an eigenvalue may have.
-    fn goal(&self) -> f64 {
+    pub(super) fn goal(&self) -> f64 {
         2.0 * self.options.tolerance
     }
 
     /// Adds the top vector at t to the subspace; the change of the lower bound there, relative.
-    fn sample(&mut self, t: f64, closed: bool) -> f64 {
+    pub(super) fn sample(&mut self, t: f64, closed: bool) -> f64 {
         let tolerance = 0.05 * self.goal();
         let before = (self.subspace.dimension() > 0).then(|| self.subspace.ritz(t));
         let start = before.as_ref().map(|y| self.subspace.vector(y));
@@ -225,7 +263,7 @@ impl<'a> Curve<'a> {
     /// Proves a point at t, close above the lower bound; whether it could.
     ///
     /// A proof far above says that a better vector was missed: it is looked for once more, from noise.
-    fn prove(&mut self, t: f64) -> bool {
+    pub(super) fn prove(&mut self, t: f64) -> bool {
         let mut proven = self.climb_at(t);
         let lower = self.lower_at(t);
         let far = proven.is_none_or(|u| u - lower > self.goal() * lower.abs());
@@ -250,153 +288,19 @@ impl<'a> Curve<'a> {
         self.climb(lower, (1.0, t), 0.25 * self.goal() * lower.abs().max(f64::MIN_POSITIVE))
     }
 
-    fn search(&self, closed: bool) -> Search {
+    pub(super) fn search(&self, closed: bool) -> Search {
         let tolerance = (0.05 * self.goal()).max(1e-12);
         Search { basis: self.options.basis, tolerance, most_products: self.options.most_products, closed }
-    }
-
-    /// Proves points for a t far below 0: there the rounding of t P, not f, limits a proof, and since f does not decrease
-    /// a point at a larger t serves as well. f(t) - f(-infinity) falls like 1/|t|, the rounding grows like |t|.
-    fn prove_far_below(&mut self, t: f64) -> bool {
-        let mut proven = false;
-        for power in 4..13 {
-            let at = -self.unit * 10_f64.powi(power);
-            if at > t {
-                proven |= self.prove(at);
-            }
-        }
-        self.prove(t) || proven
-    }
-
-    /// Encloses all points asked for, one result for each.
-    ///
-    /// # Errors
-    /// Of a point: its enclosure, which holds, is wider than the tolerance. Far below t = 0 the rounding of t P may be as
-    /// large as f itself; patches are too high by what they are too small.
-    pub fn enclose(&mut self, asked: &[Asked]) -> Vec<Result<Enclosed, TooWide>> {
-        let tolerance = self.options.tolerance;
-        self.narrow(asked).into_iter().map(|known| known.within(tolerance)).collect()
-    }
-
-    fn narrow(&mut self, asked: &[Asked]) -> Vec<Enclosed> {
-        let mut known = self.known(asked);
-        self.sample_for(asked, &known);
-        known = self.known(asked);
-        // Each round adds a point where the widest enclosure is; a round that changes nothing there ends it.
-        let mut hopeless = vec![false; asked.len()];
-        while let Some(worst) = self.worst(&known, &hopeless) {
-            let before = known[worst].step_width();
-            let t = self.polish(asked[worst]);
-            self.improve(asked[worst], t);
-            known[worst] = self.bounds(asked[worst]);
-            if known[worst].step_width() > 0.9 * before.min(1e300) {
-                hopeless[worst] = true;
-                // Patches are too high by a part that varies slowly: close by nothing else can be expected.
-                let patches = matches!(self.prover, Prover::Patches(_));
-                let place = |t: f64| (t / self.unit).asinh();
-                for i in 0..asked.len() {
-                    let other = asked[i].place(known[i].lower);
-                    hopeless[i] |= patches && (place(other) - place(t)).abs() < 0.05;
-                }
-            }
-            self.renew(asked, &mut known);
-        }
-        self.effort.products = self.operator.products();
-        known
-    }
-
-    /// Follows the lower bound of a point to the t of its solution with the vectors there are; that t.
-    fn polish(&mut self, asked: Asked) -> f64 {
-        let mut lower = self.bounds(asked).lower;
-        // Where m is large, t moves by powers of ten; each round takes one at least, and f64 has 308.
-        for _ in 0..308 {
-            self.lower_at(asked.place(lower));
-            let next = self.bounds(asked).lower;
-            let settled = next - lower <= 0.01 * self.goal() * next.abs();
-            lower = next;
-            if settled {
-                break;
-            }
-        }
-        asked.place(lower)
-    }
-
-    /// Samples and proves what is missing at t.
-    fn improve(&mut self, asked: Asked, t: f64) {
-        // Farther below, a search in a large basis would drown in the spectrum of -t P.
-        let few = self.operator.pencil().size() <= self.options.basis;
-        self.sample(if few { t } else { t.max(-1e4 * self.unit) }, false);
-        let t = self.polish(asked);
-        if self.bounds(asked).step_width() > self.options.tolerance {
-            if t < -1e4 * self.unit {
-                self.prove_far_below(t);
-            } else {
-                self.prove(t);
-            }
-        }
-    }
-
-    fn worst(&self, known: &[Enclosed], hopeless: &[bool]) -> Option<usize> {
-        let wide =
-            (0..known.len()).filter(|i| !hopeless[*i] && known[*i].step_width() > self.options.tolerance);
-        wide.max_by(|a, b| known[*a].step_width().total_cmp(&known[*b].step_width()))
-    }
-
-    fn renew(&self, asked: &[Asked], known: &mut [Enclosed]) {
-        for (known, asked) in known.iter_mut().zip(asked) {
-            if known.step_width() > self.options.tolerance {
-                *known = self.bounds(*asked);
-            }
-        }
-    }
-
-    fn known(&self, asked: &[Asked]) -> Vec<Enclosed> {
-        asked.iter().map(|asked| self.bounds(*asked)).collect()
-    }
-
-    /// What is known about a point, from all lines and all proven points.
-    fn bounds(&self, asked: Asked) -> Enclosed {
-        let Asked { stiffness: s, mass: m } = asked;
-        let lower = self.lines.iter().map(|line| line.with_mass(s, m)).fold(f64::NEG_INFINITY, f64::max);
-        Enclosed { lower, upper: self.upper.solve(s, m, lower) }
-    }
-
-    /// Samples f over the range of t that is asked for, halving intervals of asinh(t/unit) until a sample changes little.
-    fn sample_for(&mut self, asked: &[Asked], known: &[Enclosed]) {
-        let t = |i: usize| asked[i].place(known[i].lower);
-        let range = (0..asked.len())
-            .map(t)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
-        if range.0 < 0.0 {
-            self.sample(range.0, true);
-        }
-        // Beyond 1e4 units f is its asymptote to 1e-4 of 1e-4; and a Lanczos search drowns in the spectrum of -t P.
-        let most = 1e4 * self.unit;
-        let ends = [range.0.max(-most), range.1.min(most)].map(|t| (t / self.unit).asinh());
-        self.sample(ends[0].sinh() * self.unit, false);
-        self.sample(ends[1].sinh() * self.unit, false);
-        let mut open = vec![(ends[0], ends[1])];
-        while let Some((left, right)) = open.pop() {
-            let middle = 0.5 * (left + right);
-            let change = self.sample(middle.sinh() * self.unit, false);
-            self.lower_at(middle.sinh() * self.unit);
-            // Narrower than a fiftieth of an e-fold nothing bends.
-            if change > 0.05 * self.goal() && right - left > 0.04 {
-                open.extend([(left, middle), (middle, right)]);
-            }
-        }
-        let steps = 200;
-        for i in 0..=steps {
-            let share = f64::from(i) / f64::from(steps);
-            self.lower_at((ends[0] + share * (ends[1] - ends[0])).sinh() * self.unit);
-        }
-        self.lower_at(range.0);
-        self.lower_at(range.1);
     }
 
     /// f(0) from below.
     pub fn mesh(&self) -> f64 {
         self.mesh
+    }
+
+    /// What proves.
+    pub fn prover(&self) -> &Prover {
+        &self.prover
     }
 
     /// The upper bound so far.

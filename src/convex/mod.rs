@@ -57,16 +57,22 @@
 
 pub mod curve;
 pub mod factor;
+mod inverse;
 pub mod lanczos;
+mod narrow;
 pub mod operator;
 pub mod patches;
 pub mod pencil;
 mod point;
+mod sharing;
+mod start;
 pub mod subspace;
 pub mod upper;
 mod vectors;
 
 pub use curve::{Curve, Effort, Options, Prover};
+pub use inverse::Passing;
 pub use patches::{Elements, Patches};
 pub use pencil::MeshPencil;
 pub use point::{Asked, Enclosed, TooWide};
+pub use start::Start;

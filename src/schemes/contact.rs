@@ -204,6 +204,19 @@ impl Contacts {
         }
     }
 
+    /// Whether no contact moves the gap of another one: mu is diagonal.
+    pub(super) fn act_apart(&self) -> bool {
+        match &self.coupling {
+            Coupling::Neighbours { beside, .. } => beside.iter().all(|mu| *mu == 0.0),
+            Coupling::Full { mu, .. } => (0..mu.nrows()).all(|i| (0..i).all(|j| mu[(i, j)] == 0.0)),
+        }
+    }
+
+    /// a = m_j/s_j of all contacts, s^2.
+    pub(super) fn inverse_rate(&self) -> f64 {
+        self.inverse_rate
+    }
+
     /// (mu x)_j.
     #[inline]
     pub(super) fn mu_times(&self, j: usize, x: &[f64]) -> f64 {

@@ -80,6 +80,15 @@ impl State {
         }
     }
 
+    /// Notes the contacts with a force as closed, and no other.
+    pub(super) fn close_where_pressed(&mut self) {
+        for (closed, force) in self.closed.iter_mut().zip(&self.force) {
+            let now = *force > 0.0;
+            self.switches += u64::from(now != *closed);
+            *closed = now;
+        }
+    }
+
     /// Reads the gaps from u and v: simple, where the digits that u has lost are not needed.
     pub fn read_gaps(&mut self, contacts: &Contacts) {
         for j in 0..contacts.len() {

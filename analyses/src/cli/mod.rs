@@ -21,7 +21,7 @@ pub use arguments::arguments;
 pub use impacts::{
     FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute, suffix,
 };
-pub use maps::{Chart, Job, Solved, checked_grid, paper, require_memory, scheme_lines};
+pub use maps::{Chart, Job, Solved, check_touches, checked_grid, paper, require_memory};
 pub use narration::{Analysis, narrate};
 pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
 pub use options::{
@@ -32,8 +32,10 @@ pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use plan::explain;
 pub use progress::Progress;
 pub use redraw::{redraw_optimal_ratio, redraw_stability};
-pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};
-pub use verification::print_verification;
+pub use summary::{
+    MapSummary, governing_answer, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios,
+};
+pub use verification::{print_reasons, print_verification};
 
 use std::process::ExitCode;
 

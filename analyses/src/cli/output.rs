@@ -134,6 +134,23 @@ impl Output {
         Ok(self.write(stem, "md", text.as_bytes())?.into_iter().collect())
     }
 
+    /// Writes what `content` writes as `stem.vtu`, as asked for.
+    ///
+    /// # Errors
+    /// What `content` refuses, and what the system says of the file.
+    pub fn write_vtu(
+        &self,
+        stem: &str,
+        content: impl FnOnce(&mut Vec<u8>) -> Result<(), Refusal>,
+    ) -> Result<Vec<PathBuf>> {
+        if !self.writes(Format::Vtu) {
+            return Ok(Vec::new());
+        }
+        let mut bytes = Vec::new();
+        content(&mut bytes)?;
+        Ok(self.write(stem, Format::Vtu.ending(), &bytes)?.into_iter().collect())
+    }
+
     /// Draws `figure`, which shows the rows of the same stem, in the formats asked for, with its record.
     ///
     /// # Errors
@@ -183,7 +200,7 @@ impl Output {
                     images = tex.images;
                     tex.text.into_bytes()
                 }),
-                Format::Csv | Format::Json | Format::Record => continue,
+                Format::Csv | Format::Json | Format::Record | Format::Vtu => continue,
             };
             let bytes = drawn.map_err(|source| Error::Figure { name: stem.to_owned(), source })?;
             written.extend(self.write(stem, format.ending(), &bytes)?);

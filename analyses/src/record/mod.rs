@@ -8,6 +8,7 @@
 //! # Ok::<(), analyses::error::Error>(())
 //! ```
 
+mod columns;
 mod figure_record;
 mod impact_rows;
 mod opening_rows;
@@ -22,7 +23,7 @@ pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
 pub use opening_rows::{OpeningRow, Recommendation, scans};
 pub use provenance::Provenance;
 pub use read::{optimal_ratio_rows, stability_rows};
-pub use rows::{LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow};
+pub use rows::{GIVEN, LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow, Subject};
 pub use table::Table;
 pub use verify_rows::VerifyRow;
 

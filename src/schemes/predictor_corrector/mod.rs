@@ -2,11 +2,12 @@
 
 mod bound;
 mod definite;
+mod determinant;
 mod growth;
 mod limit;
 mod motion;
 
-use bound::Bound;
+pub(super) use bound::Bound;
 pub use limit::ClosedLimit;
 use motion::Steps;
 
