@@ -98,14 +98,12 @@ impl Analysis for Options {
         let steps = figures.iter().flatten().map(|planned| planned.run.steps() as usize).sum();
         let progress = Progress::new(steps, "steps", self.output.quiet);
         let mut found = Found { rows: Vec::new(), complete: true };
-        let (mut files, mut drawn): (usize, Result<usize>) = (0, Ok(0));
+        let mut files = 0;
         for runs in &figures {
             progress.doing(runs[0].run.model().scene().name());
             let finished = execute(runs, &recording(self, &runs[0].run), &progress)?;
             found.rows.extend(finished.iter().map(FinishedRun::row));
-            files += write(&finished, output)?;
-            // A figure that cannot be drawn must not take the rows of the runs after it with it.
-            drawn = drawn.and_then(|files| Ok(files + draw_all(&finished, output)?));
+            files += write(&finished, output)? + draw_all(&finished, output)?;
             found.complete &= finished.len() == runs.len()
                 && finished.iter().all(|run| run.history.ending == Ending::Finished);
             if finished.iter().any(|run| matches!(run.history.ending, Ending::Stopped { .. })) {
@@ -113,7 +111,7 @@ impl Analysis for Options {
             }
         }
         files += output.write_rows("summary", &found.rows)?.len();
-        Ok((found, files + drawn?))
+        Ok((found, files))
     }
 
     fn print(&self, found: &Found, output: &Output) -> Result<()> {

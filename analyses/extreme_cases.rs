@@ -8,9 +8,8 @@ use std::process::ExitCode;
 
 use analyses::cli::{Analysis, Output, OutputOptions, Progress, Verdict, narrate, print_table};
 use analyses::error::{Refusal, Result};
-use analyses::record::ExtremeRow;
 use clap::Parser;
-use precision::{Case, Checked, References, cases};
+use precision::{Case, Checked, References, cases, distinct};
 use rayon::prelude::*;
 
 /// Extreme inputs against extended precision; exit status 1 if a case does not hold.
@@ -36,7 +35,7 @@ fn main() -> ExitCode {
 impl Analysis for Options {
     const NAME: &'static str = "extreme-cases";
     type Plan = Vec<Case>;
-    type Found = (Vec<Checked>, Vec<ExtremeRow>);
+    type Found = Vec<Checked>;
 
     fn output(&self) -> &OutputOptions {
         &self.output
@@ -62,20 +61,19 @@ impl Analysis for Options {
             Ok(checked)
         };
         let checked: Vec<Checked> = cases.par_iter().map(check).collect::<Result<_>>()?;
-        let rows: Vec<ExtremeRow> = checked.iter().map(ExtremeRow::new).collect();
-        let files = output.write_rows(Self::NAME, &rows)?.len();
-        Ok(((checked, rows), files))
+        let files = output.write_rows(Self::NAME, &checked)?.len();
+        Ok((checked, files))
     }
 
-    fn print(&self, (_, rows): &Self::Found, output: &Output) -> Result<()> {
-        output.print(rows)
+    fn print(&self, checked: &Vec<Checked>, output: &Output) -> Result<()> {
+        output.print(checked)
     }
 
-    fn summarise(&self, (checked, _): &Self::Found) {
+    fn summarise(&self, checked: &Vec<Checked>) {
         summarise(checked);
     }
 
-    fn verdict(&self, (checked, _): &Self::Found) -> Verdict {
+    fn verdict(&self, checked: &Vec<Checked>) -> Verdict {
         if checked.iter().all(|case| case.holds) { Verdict::Holds } else { Verdict::Fails }
     }
 }
@@ -94,12 +92,7 @@ fn choose(words: &[String]) -> Result<Vec<Case>> {
 
 /// One line a quantity and what computes it, one line a case that does not hold.
 fn summarise(checked: &[Checked]) {
-    let mut kinds: Vec<&str> = Vec::new();
-    for case in checked {
-        if !kinds.contains(&case.quantity.as_str()) {
-            kinds.push(&case.quantity);
-        }
-    }
+    let kinds = distinct(checked.iter().map(|case| case.quantity.as_str()));
     let header = ["quantity", "cases", "hold", "largest relative error", "largest error/allowed", "allowed"];
     let line = |kind: &&str| {
         let of_kind: Vec<&Checked> = checked.iter().filter(|case| case.quantity == **kind).collect();

@@ -12,8 +12,9 @@ use std::sync::Arc;
 
 use analyses::charts::verification;
 use analyses::cli::{
-    Contact, OpeningOptions, OpeningPlan, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments,
-    check_stems, checked_grid, finish, print_reasons, print_verification, require_memory,
+    Analysis, Contact, OpeningOptions, OpeningPlan, OpeningResult, Output, OutputOptions, Progress,
+    SceneOptions, Verdict, check_stems, checked_grid, narrate, print_reasons, print_verification,
+    require_memory,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{StabilityRow, Subject, VerifyRow};
@@ -84,46 +85,72 @@ struct Job {
     tolerance: f64,
 }
 
-fn main() -> ExitCode {
-    finish(run(&arguments::<Options>()))
+/// What stepping has found.
+struct Found {
+    closed: Vec<Vec<VerifyRow>>,
+    opening: Option<(OpeningPlan, OpeningResult)>,
 }
 
-fn run(options: &Options) -> Result<Verdict> {
-    check_used(options)?;
-    let closed = wants(options, Contact::Closed).then(|| Study::new(options)).transpose()?;
-    let opening = wants(options, Contact::Opening).then(|| plan_opening(options)).transpose()?;
-    let output = Output::prepare(&options.output, "verify-limits")?;
-    if options.output.explain {
-        let mut text = closed.iter().flat_map(Study::explain).collect::<String>();
-        text.extend(opening.iter().map(OpeningPlan::explain));
-        Output::print_text(&text)?;
-        return Ok(Verdict::Holds);
+fn main() -> ExitCode {
+    narrate::<Options>()
+}
+
+impl Analysis for Options {
+    const NAME: &'static str = "verify-limits";
+    type Plan = (Option<Study>, Option<OpeningPlan>);
+    type Found = Found;
+
+    fn output(&self) -> &OutputOptions {
+        &self.output
     }
-    let (mut limits, mut files, mut holds) = (Vec::new(), 0, true);
-    if let Some(study) = &closed {
-        let (rows, written) = study.confirm(options, &output)?;
-        if !options.output.quiet {
-            print_verification(&rows);
+
+    fn plan(&self) -> Result<Self::Plan> {
+        check_used(self)?;
+        let closed = wants(self, Contact::Closed).then(|| Study::new(self)).transpose()?;
+        let opening = wants(self, Contact::Opening).then(|| plan_opening(self)).transpose()?;
+        Ok((closed, opening))
+    }
+
+    fn explain(&self, (closed, opening): &Self::Plan) -> Result<String> {
+        let closed = closed.iter().flat_map(Study::explain);
+        Ok(closed.chain(opening.iter().map(OpeningPlan::explain)).collect())
+    }
+
+    fn compute(&self, (study, opening): Self::Plan, output: &Output) -> Result<(Found, usize)> {
+        let (closed, mut files) =
+            study.map_or_else(|| Ok(Default::default()), |study| study.confirm(self, output))?;
+        let opening = match opening {
+            None => None,
+            Some(plan) => {
+                let progress = Progress::new(plan.len(), "runs", self.output.quiet);
+                let result = plan.measure(&progress)?;
+                drop(progress);
+                files += result.write(output)?;
+                Some((plan, result))
+            }
+        };
+        Ok((Found { closed, opening }, files))
+    }
+
+    fn print(&self, found: &Found, output: &Output) -> Result<()> {
+        let opening = found.opening.iter().flat_map(|(_, result)| &result.limits);
+        output.print(found.closed.iter().flatten().chain(opening))
+    }
+
+    fn summarise(&self, found: &Found) {
+        if wants(self, Contact::Closed) {
+            print_verification(&found.closed);
         }
-        holds &= rows.iter().flatten().all(|row| row.agrees != Some(false));
-        (limits, files) = (rows.concat(), written);
-    }
-    if let Some(plan) = &opening {
-        let progress = Progress::new(plan.len(), "runs", options.output.quiet);
-        let result = plan.measure(&progress)?;
-        drop(progress);
-        files += result.write(&output)?;
-        if !options.output.quiet {
+        if let Some((plan, result)) = &found.opening {
             result.summarise(plan);
         }
-        holds &= result.holds;
-        limits.extend(result.limits);
     }
-    output.print(&limits)?;
-    if !options.output.quiet {
-        output.report(files);
+
+    fn verdict(&self, found: &Found) -> Verdict {
+        let agree = found.closed.iter().flatten().all(|row| row.agrees != Some(false));
+        let holds = agree && found.opening.as_ref().is_none_or(|(_, result)| result.holds);
+        if holds { Verdict::Holds } else { Verdict::Fails }
     }
-    Ok(if holds { Verdict::Holds } else { Verdict::Fails })
 }
 
 fn wants(options: &Options, contact: Contact) -> bool {

@@ -15,14 +15,13 @@ use analyses::cli::{
     restarted_with_one_blas_thread,
 };
 use analyses::error::Result;
-use analyses::record::WorkRow;
 use bipenalty::fem::MassMatrix;
 use bipenalty::schemes::SchemeName;
 use clap::Parser;
 use figure::Figure;
 use precision::{
     Clock, EIGENPROBLEMS, ExactEigenvalues, Impactproblem, Measurement, Method, SCENES, SIZES, Status,
-    mark_front, markdown, measure_eigenvalues, measure_impacts,
+    distinct, mark_front, markdown, measure_eigenvalues, measure_impacts,
 };
 
 /// Error against run time of every engine and scheme, beside peers; exit status 1 if an engine errs more than it claims.
@@ -83,7 +82,7 @@ fn main() -> ExitCode {
 impl Analysis for Options {
     const NAME: &'static str = "work-precision";
     type Plan = Plan;
-    type Found = (Vec<Measurement>, Vec<WorkRow>);
+    type Found = Vec<Measurement>;
 
     fn output(&self) -> &OutputOptions {
         &self.output
@@ -107,20 +106,19 @@ impl Analysis for Options {
             eprintln!("peers left out: python3 cannot import scipy (--peers names another Python)");
         }
         mark_front(&mut measurements);
-        let rows: Vec<WorkRow> = measurements.iter().map(WorkRow::new).collect();
-        let files = write(output, plan.amount, &measurements, &rows)?;
-        Ok(((measurements, rows), files))
+        let files = write(output, plan.amount, &measurements)?;
+        Ok((measurements, files))
     }
 
-    fn print(&self, (_, rows): &Self::Found, output: &Output) -> Result<()> {
-        output.print(rows)
+    fn print(&self, measurements: &Vec<Measurement>, output: &Output) -> Result<()> {
+        output.print(measurements)
     }
 
-    fn summarise(&self, (measurements, _): &Self::Found) {
+    fn summarise(&self, measurements: &Vec<Measurement>) {
         summarise(measurements);
     }
 
-    fn verdict(&self, (measurements, _): &Self::Found) -> Verdict {
+    fn verdict(&self, measurements: &Vec<Measurement>) -> Verdict {
         let wrong = measurements.iter().any(|m| matches!(m.status, Status::Wrong(_)));
         if wrong { Verdict::Fails } else { Verdict::Holds }
     }
@@ -180,18 +178,18 @@ fn measure_peers(peers: &Peers, amount: &Amount, options: &Options) -> Result<Ve
     Ok(rows.measurements)
 }
 
-fn write(output: &Output, amount: &Amount, measurements: &[Measurement], rows: &[WorkRow]) -> Result<usize> {
+fn write(output: &Output, amount: &Amount, measurements: &[Measurement]) -> Result<usize> {
     const RECORDS: &str = "work-precision";
-    let mut files = output.write_rows(RECORDS, rows)?.len();
+    let mut files = output.write_rows(RECORDS, measurements)?.len();
     files += output.write_markdown(RECORDS, &markdown(measurements, &machine()))?.len();
     if output.wants_figures() {
         let draw = |stem: &str, figure: &Figure| output.write_figure_from(RECORDS, stem, figure);
         let size = amount.sizes.iter().copied().filter(|size| *size <= 1000).max().unwrap_or(amount.sizes[0]);
-        let figure = charts::precision::eigenvalue_errors(rows, size);
+        let figure = charts::precision::eigenvalue_errors(measurements, size);
         files += draw("eigenvalue-error", &figure)?.len();
-        files += draw("eigenvalue-time", &charts::precision::eigenvalue_times(rows))?.len();
+        files += draw("eigenvalue-time", &charts::precision::eigenvalue_times(measurements))?.len();
         for scene in SCENES {
-            let figure = charts::precision::impact_errors(rows, scene);
+            let figure = charts::precision::impact_errors(measurements, scene);
             files += draw(&format!("stepping-{scene}"), &figure)?.len();
         }
     }
@@ -219,14 +217,7 @@ fn explain(amount: &Amount, impacts: usize, peers: bool) -> String {
 
 /// One line a method: how many measurements are done, on the front, not done.
 fn summarise(measurements: &[Measurement]) {
-    let mut methods: Vec<&str> = measurements.iter().map(|m| m.method.as_str()).collect();
-    let mut seen = Vec::new();
-    methods.retain(|method| {
-        !seen.contains(method) && {
-            seen.push(*method);
-            true
-        }
-    });
+    let methods = distinct(measurements.iter().map(|m| m.method.as_str()));
     let header = ["method", "measured", "on a front", "largest |error|", "failed", "timed out", "WRONG"];
     let line = |method: &&str| {
         let of: Vec<&Measurement> = measurements.iter().filter(|m| m.method == *method).collect();

@@ -3,12 +3,11 @@
 //! plotters counts in whole numbers only, so the page is counted in hundredths of a millimetre, well
 //! below what a printer resolves; `width`, `height` and `viewBox` give it its size.
 
-use std::borrow::Borrow as _;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use base64::Engine as _;
-use plotters::element::{Circle, Drawable, PathElement, PointCollection, Polygon, Rectangle};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle};
 use plotters::style::{RGBColor, ShapeStyle};
 
 use super::font::{Fonts, Line, Piece};
@@ -111,18 +110,6 @@ impl<'f> Canvas<'f> {
         self.form
     }
 
-    /// Draws an element of plotters, whose coordinates are those of the page.
-    fn draw<E>(&mut self, element: &E)
-    where
-        E: Drawable<Marks>,
-        for<'a> &'a E: PointCollection<'a, (i32, i32)>,
-    {
-        let places = element.point_iter().into_iter().map(|place| *place.borrow());
-        let size = self.marks.size;
-        // The backend writes to a String and sets no text: nothing of it can fail.
-        let _ = element.draw(places, &mut self.marks, size);
-    }
-
     /// Draws a polyline.
     pub(super) fn stroke(&mut self, line: &[Point], pen: Pen) {
         let dashed = !pen.dash.is_empty();
@@ -131,7 +118,7 @@ impl<'f> Canvas<'f> {
             let _ = writeln!(self.marks.text, "<g stroke-dasharray=\"{}\">", lengths.join(","));
         }
         let style = style(pen.colour, pen.width);
-        self.draw(&PathElement::new(line.iter().copied().map(spot).collect::<Vec<_>>(), style));
+        self.marks.draw(&PathElement::new(line.iter().copied().map(spot).collect::<Vec<_>>(), style));
         if dashed {
             self.marks.text.push_str("</g>\n");
         }
@@ -140,7 +127,7 @@ impl<'f> Canvas<'f> {
     /// Fills a polygon.
     pub(super) fn fill(&mut self, corners: &[Point], colour: Colour) {
         let style = style(colour, 0.0).filled();
-        self.draw(&Polygon::new(corners.iter().copied().map(spot).collect::<Vec<_>>(), style));
+        self.marks.draw(&Polygon::new(corners.iter().copied().map(spot).collect::<Vec<_>>(), style));
     }
 
     /// Draws a marker of radius `radius` mm.
@@ -150,8 +137,8 @@ impl<'f> Canvas<'f> {
         match shape {
             Shape::Circle => {
                 let radius = units(radius).unsigned_abs();
-                self.draw(&Circle::new(spot(centre), radius, inside.filled()));
-                self.draw(&Circle::new(spot(centre), radius, line));
+                self.marks.draw(&Circle::new(spot(centre), radius, inside.filled()));
+                self.marks.draw(&Circle::new(spot(centre), radius, line));
             }
             Shape::Polygon { corners, turn } => {
                 // A polygon looks as large as the circle of the same area, a little inside its own.
@@ -173,7 +160,7 @@ impl<'f> Canvas<'f> {
     /// Fills an upright rectangle.
     pub(super) fn rect(&mut self, place: Rect, colour: Colour) {
         let corners = [spot((place.left, place.top)), spot((place.right, place.bottom))];
-        self.draw(&Rectangle::new(corners, style(colour, 0.0).filled()));
+        self.marks.draw(&Rectangle::new(corners, style(colour, 0.0).filled()));
     }
 
     /// Places a PNG image.

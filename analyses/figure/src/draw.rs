@@ -20,13 +20,13 @@ use super::trace::{Trace, trace};
 const RULE_DASH: &[f64] = &[0.3, 0.8];
 
 /// A panel ready to be drawn.
-pub(super) struct Scene<'a> {
+pub(super) struct ArrangedPanel<'a> {
     pub(super) placed: PlacedPanel<'a>,
     traces: Vec<Trace>,
     pub(super) names: Names,
 }
 
-impl Scene<'_> {
+impl ArrangedPanel<'_> {
     fn has_homeless_series(&self) -> bool {
         let layers = &self.placed.panel.layers;
         self.names.homeless.iter().any(|index| is_series(&layers[*index]))
@@ -35,7 +35,7 @@ impl Scene<'_> {
 
 /// A figure ready to be drawn.
 pub(super) struct Page<'a> {
-    pub(super) scenes: Vec<Scene<'a>>,
+    pub(super) panels: Vec<ArrangedPanel<'a>>,
     pub(super) bar: Option<PlacedBar<'a>>,
     pub(super) legend: Legend<'a>,
     pub(super) width: f64,
@@ -50,13 +50,13 @@ impl Figure {
         let page = self.arrange(&fonts)?;
         let height = page.height + page.legend.height();
         let mut canvas = Canvas::new(&fonts, form, (page.width, height));
-        for scene in &page.scenes {
-            for (index, layer) in scene.placed.panel.layers.iter().enumerate() {
-                draw_layer(&mut canvas, scene, index, layer, page.bar.as_ref())?;
+        for arranged in &page.panels {
+            for (index, layer) in arranged.placed.panel.layers.iter().enumerate() {
+                draw_layer(&mut canvas, arranged, index, layer, page.bar.as_ref())?;
             }
-            draw_axes(&mut canvas, &scene.placed)?;
-            for name in &scene.names.placed {
-                draw_name(&mut canvas, name, &scene.placed.panel.layers);
+            draw_axes(&mut canvas, &arranged.placed)?;
+            for name in &arranged.names.placed {
+                draw_name(&mut canvas, name, &arranged.placed.panel.layers);
             }
         }
         if let Some(bar) = &page.bar {
@@ -79,21 +79,21 @@ impl Figure {
                 Err(PlotError::TooNarrow { .. }) if side > 0.0 => continue,
                 other => other?,
             };
-            let scenes = scenes(layout.panels, fonts, series)?;
-            if !scenes.iter().any(Scene::has_homeless_series) {
-                return page(scenes, layout.bar, layout.width, layout.height, fonts);
+            let panels = arrange_panels(layout.panels, fonts, series)?;
+            if !panels.iter().any(ArrangedPanel::has_homeless_series) {
+                return page(panels, layout.bar, layout.width, layout.height, fonts);
             }
         }
         let layout = layout(self, fonts, 0.0)?;
-        let mut scenes = scenes(layout.panels, fonts, Series::Listed)?;
-        for scene in &mut scenes {
-            let layers = scene.placed.panel.layers.iter().zip(&scene.traces).enumerate();
+        let mut panels = arrange_panels(layout.panels, fonts, Series::Listed)?;
+        for arranged in &mut panels {
+            let layers = arranged.placed.panel.layers.iter().zip(&arranged.traces).enumerate();
             let series = layers.filter(|(_, (layer, trace))| is_series(layer) && !trace.is_empty());
             let mut listed: Vec<usize> = series.map(|(index, _)| index).collect();
-            listed.append(&mut scene.names.homeless);
-            scene.names.homeless = listed;
+            listed.append(&mut arranged.names.homeless);
+            arranged.names.homeless = listed;
         }
-        page(scenes, layout.bar, layout.width, layout.height, fonts)
+        page(panels, layout.bar, layout.width, layout.height, fonts)
     }
 
     /// Space right of the frames for the names of the curves that end there.
@@ -113,54 +113,54 @@ impl Figure {
     }
 }
 
-fn scenes<'a>(
+fn arrange_panels<'a>(
     panels: Vec<PlacedPanel<'a>>,
     fonts: &Fonts,
     series: Series,
-) -> Result<Vec<Scene<'a>>, PlotError> {
-    let scene = |placed: PlacedPanel<'a>| {
+) -> Result<Vec<ArrangedPanel<'a>>, PlotError> {
+    let arranged = |placed: PlacedPanel<'a>| {
         let layers = &placed.panel.layers;
         let traces = layers.iter().map(|layer| trace(layer, &placed.frame)).collect::<Result<Vec<_>, _>>()?;
         let names = place(layers, &traces, &placed.frame, fonts, series)?;
-        Ok(Scene { placed, traces, names })
+        Ok(ArrangedPanel { placed, traces, names })
     };
-    panels.into_iter().map(scene).collect()
+    panels.into_iter().map(arranged).collect()
 }
 
 /// Puts the names without a place into the legend.
 fn page<'a>(
-    scenes: Vec<Scene<'a>>,
+    panels: Vec<ArrangedPanel<'a>>,
     bar: Option<PlacedBar<'a>>,
     width: f64,
     height: f64,
     fonts: &Fonts,
 ) -> Result<Page<'a>, PlotError> {
-    let listed = scenes.iter().flat_map(|scene| {
-        let layers: &'a [Layer] = &scene.placed.panel.layers;
-        scene.names.homeless.iter().map(move |index| &layers[*index])
+    let listed = panels.iter().flat_map(|arranged| {
+        let layers: &'a [Layer] = &arranged.placed.panel.layers;
+        arranged.names.homeless.iter().map(move |index| &layers[*index])
     });
     // A contour in a legend would look like any other one: its colour tells its value.
     let listed = listed.filter(|layer| !matches!(layer, Layer::Contour { .. }));
     let legend = Legend::new(listed, fonts, width)?;
-    Ok(Page { scenes, bar, legend, width, height })
+    Ok(Page { panels, bar, legend, width, height })
 }
 
 fn draw_layer(
     canvas: &mut Canvas,
-    scene: &Scene,
+    arranged: &ArrangedPanel,
     index: usize,
     layer: &Layer,
     bar: Option<&PlacedBar>,
 ) -> Result<(), PlotError> {
-    let trace = &scene.traces[index];
+    let trace = &arranged.traces[index];
     match layer {
         Layer::Cells { x, y, values } => {
             let bar = bar.ok_or(PlotError::NoColourBar)?;
-            let place = (scene.placed.panel, &scene.placed.frame);
+            let place = (arranged.placed.panel, &arranged.placed.frame);
             return Cells::new(place, (x, y, values), (bar.bar.map, bar.interval))?.draw(canvas);
         }
         Layer::Contour { .. } => {
-            let gap = scene.names.placed.iter().find(|name| name.layer == index);
+            let gap = arranged.names.placed.iter().find(|name| name.layer == index);
             draw_contour(canvas, trace, gap.and_then(|name| name.gap));
             return Ok(());
         }
@@ -282,7 +282,7 @@ mod tests {
     fn names_stay_on_the_page_and_apart() {
         let (figure, fonts) = (bunch(), Fonts::new().expect("built in"));
         let page = figure.arrange(&fonts).expect("valid figure");
-        let names = &page.scenes[0].names;
+        let names = &page.panels[0].names;
         assert_eq!((names.placed.len(), names.homeless.len()), (6, 0));
         let boxes: Vec<Rect> = names
             .placed
@@ -303,7 +303,7 @@ mod tests {
         figure.panels[0].layers.resize(40, crowd);
         let fonts = Fonts::new().expect("built in");
         let page = figure.arrange(&fonts).expect("valid figure");
-        assert!(page.scenes[0].names.placed.is_empty());
+        assert!(page.panels[0].names.placed.is_empty());
         assert!(page.legend.height() > 0.0);
     }
 }

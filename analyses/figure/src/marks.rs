@@ -1,9 +1,11 @@
 //! What plotters draws, as marks of SVG: the one backend behind every picture.
 
+use std::borrow::Borrow as _;
 use std::convert::Infallible;
 use std::fmt::Write as _;
 
 use plotters::backend::DrawingBackend;
+use plotters::element::{Drawable, PointCollection};
 use plotters_backend::{BackendColor, BackendCoord, BackendStyle, DrawingErrorKind};
 
 /// Marks in drawing order, on a page counted in whole units.
@@ -19,6 +21,17 @@ pub(super) struct Marks {
 type Written = Result<(), DrawingErrorKind<Infallible>>;
 
 impl Marks {
+    /// Draws an element of plotters, whose coordinates are those of the page.
+    pub(super) fn draw<E>(&mut self, element: &E)
+    where
+        E: Drawable<Self>,
+        for<'a> &'a E: PointCollection<'a, BackendCoord>,
+    {
+        let places = element.point_iter().into_iter().map(|place| *place.borrow());
+        // Nothing here can fail, and no text is drawn, whose fonts might.
+        let _ = element.draw(places, self, self.size);
+    }
+
     fn mark(&mut self, mark: std::fmt::Arguments, colour: BackendColor) -> Written {
         let _ = match colour.alpha {
             // Opaque is the default: leave it out to keep files small.
@@ -116,5 +129,27 @@ impl DrawingBackend for Marks {
         let ((inside, line), width) = (paint(style.color(), fill), style.stroke_width());
         let ink = format_args!("fill=\"{inside}\" stroke=\"{line}\" stroke-width=\"{width}\"");
         self.mark(format_args!("circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" {ink}"), style.color())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plotters::prelude::{BLUE, Circle, Color, PathElement, Pixel, Rectangle};
+
+    #[test]
+    fn any_element_of_plotters_is_one_mark() {
+        let mut marks = Marks { text: String::new(), size: (100, 50) };
+        marks.draw(&PathElement::new([(0, 0), (10, 20)], BLUE));
+        marks.draw(&Circle::new((5, 6), 3, BLUE.mix(0.5).filled()));
+        marks.draw(&Rectangle::new([(1, 2), (4, 8)], BLUE));
+        marks.draw(&Pixel::new((7, 8), BLUE.filled()));
+        let expected = [
+            r##"<polyline fill="none" stroke="#0000FF" stroke-width="1" points="0,0 10,20 "/>"##,
+            r##"<circle cx="5" cy="6" r="3" fill="#0000FF" stroke="none" stroke-width="1" opacity="0.5"/>"##,
+            r##"<rect x="1" y="2" width="3" height="6" fill="none" stroke="#0000FF"/>"##,
+            r##"<rect x="7" y="8" width="1" height="1" fill="#0000ff"/>"##,
+        ];
+        assert_eq!(marks.text.lines().collect::<Vec<_>>(), expected);
     }
 }

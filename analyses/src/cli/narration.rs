@@ -68,5 +68,6 @@ fn run<A: Analysis>(analysis: &A) -> Result<Verdict> {
         analysis.summarise(&found);
         output.report(files);
     }
+    output.check_drawn()?;
     Ok(analysis.verdict(&found))
 }

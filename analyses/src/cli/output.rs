@@ -24,6 +24,8 @@ pub struct Output {
     begun: Instant,
     /// The records of the run by their stem: its figures speak of them.
     tables: Arc<Mutex<BTreeMap<String, Table>>>,
+    /// The first figure that could not be drawn.
+    undrawn: Arc<Mutex<Option<Error>>>,
     /// The file that is drawn again, never to be overwritten.
     source: Option<PathBuf>,
 }
@@ -50,6 +52,7 @@ impl Output {
             width: options.width.map(Width::from),
             begun: Instant::now(),
             tables: Arc::default(),
+            undrawn: Arc::default(),
             source: None,
         })
     }
@@ -154,7 +157,7 @@ impl Output {
     /// Draws `figure`, which shows the rows of the same stem, in the formats asked for, with its record.
     ///
     /// # Errors
-    /// What the drawing layer refuses and what the system says of the file.
+    /// What the system says of the file.
     pub fn write_figure(&self, stem: &str, figure: &Figure) -> Result<Vec<PathBuf>> {
         self.write_figure_from(stem, stem, figure)
     }
@@ -167,7 +170,8 @@ impl Output {
         self.write_figure_of(stem, figure, &[source.to_owned()], None::<[(); 0]>)
     }
 
-    /// Draws `figure`, which shows the rows written as `sources`; `about` are rows that say more of the same runs.
+    /// Draws `figure`, which shows the rows written as `sources`; `about` are rows that say more of the same runs. A figure
+    /// that cannot be drawn ends no run, whose other rows would be lost: [`Self::check_drawn`] tells of it.
     ///
     /// # Errors
     /// As [`Self::write_figure`].
@@ -202,8 +206,13 @@ impl Output {
                 }),
                 Format::Csv | Format::Json | Format::Record | Format::Vtu => continue,
             };
-            let bytes = drawn.map_err(|source| Error::Figure { name: stem.to_owned(), source })?;
-            written.extend(self.write(stem, format.ending(), &bytes)?);
+            match drawn {
+                Ok(bytes) => written.extend(self.write(stem, format.ending(), &bytes)?),
+                Err(source) => {
+                    let mut undrawn = self.undrawn.lock().unwrap_or_else(PoisonError::into_inner);
+                    undrawn.get_or_insert(Error::Figure { name: stem.to_owned(), source });
+                }
+            }
         }
         for (name, png) in &images {
             written.extend(self.write(name, Format::Png.ending(), png)?);
@@ -219,6 +228,14 @@ impl Output {
             written.extend(self.write(stem, Format::Record.ending(), &record::figure_json(&record)?)?);
         }
         Ok(written)
+    }
+
+    /// Whether every figure was drawn, asked when all rows are written.
+    ///
+    /// # Errors
+    /// The first that the drawing layer has refused.
+    pub fn check_drawn(&self) -> Result<()> {
+        self.undrawn.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
     }
 
     fn writes(&self, format: Format) -> bool {
