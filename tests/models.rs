@@ -5,6 +5,8 @@
 
 #[path = "models/bars.rs"]
 mod bars;
+#[path = "models/chance.rs"]
+mod chance;
 #[path = "models/governing.rs"]
 mod governing;
 #[path = "models/largest.rs"]

@@ -35,8 +35,8 @@ pub fn limit_of_any(model: &AnyModel, scheme: &dyn Scheme, point: Point, search:
             let free = model.contact_free(&Asking::default())?.step?;
             let unit = model.time_step(1.0)?;
             let critical_step = unit * free.lower;
-            let (pencil, slowest) = (mesh.stepping_pencil()?, f64::INFINITY);
-            (Stepped { pencil, critical_step, unit, slowest }, free.lower)
+            let slowest = f64::INFINITY;
+            (Stepped { pencil: mesh.stepping_pencil()?, critical_step, unit, slowest }, free.lower)
         }
     };
     let unit = stepped.unit;

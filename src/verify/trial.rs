@@ -46,12 +46,12 @@ pub(super) struct Stepped {
     pub critical_step: f64,
     /// dt of the Courant number 1, s.
     pub unit: f64,
-    /// Bound of the period of the slowest swing, s; infinite where none is known, so that no late rise counts.
+    /// Bound of the period of the slowest swing, s; infinite where none is known, and then no late rise counts.
     pub slowest: f64,
 }
 
 impl Stepped {
-    /// Bars with the contacts closed by `penalty`.
+    /// Bars.
     pub fn bars(model: &Model, penalty: &Penalty) -> Result<Self, Refusal> {
         let (critical_step, unit) = (contact_free_step(model)?, model.time_step(1.0));
         let slowest = slowest_period(model, penalty);

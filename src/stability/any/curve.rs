@@ -5,7 +5,7 @@ use super::mesh::MeshModel;
 use crate::convex::{Asked, Curve, Enclosed, Prover, TooWide};
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
-use crate::spectrum::{Enclosure, Step, Uncertified};
+use crate::spectrum::{Enclosure, Evidence, Step, Uncertified};
 use crate::stability::{self, CriticalStep, Grid, MapPoint, model};
 
 /// The engine in records, by what proves its bounds.
@@ -13,6 +13,7 @@ pub(super) fn engine(prover: &Prover) -> &'static str {
     match prover {
         Prover::Whole(_) => "convex",
         Prover::Patches(_) => "convex-patches",
+        Prover::Chance(_) => "convex-chance",
     }
 }
 
@@ -51,7 +52,7 @@ impl MeshModel {
                 // With m/(1 + e) for m the root of f(s - l m) = l moves up, and by no more than e: f(s - l m) = l itself
                 // lies at l (1 + e) or above.
                 let more = if asked.mass > 0.0 { error } else { 0.0 };
-                Ok(Step::proven(Enclosure { upper: step.l.upper * (1.0 + more), ..step.l }))
+                Ok(Step { l: Enclosure { upper: step.l.upper * (1.0 + more), ..step.l }, ..step })
             };
             let steps = asked.iter().zip(found).map(point).collect();
             Ok(Found { steps, engine: engine(prover), error })
@@ -100,7 +101,7 @@ struct Found {
     error: f64,
 }
 
-/// What was found, if it is as narrow as asked; of patches any proof is good where nothing was asked.
+/// What was found, if it is as narrow as asked; of patches and chance any bound is good where nothing was asked.
 pub(super) fn step(
     found: Result<Enclosed, TooWide>,
     asking: &Asking,
@@ -108,14 +109,18 @@ pub(super) fn step(
 ) -> Result<Step, Uncertified> {
     let enclosed = match (found, prover) {
         (Ok(enclosed), _) => enclosed,
-        (Err(TooWide { enclosed, .. }), Prover::Patches(_))
+        (Err(TooWide { enclosed, .. }), Prover::Patches(_) | Prover::Chance(_))
             if asking.tolerance.is_none() && enclosed.step_width() <= Asking::BY_PATCHES =>
         {
             enclosed
         }
         (Err(wide), _) => return Err(uncertified(wide.enclosed)),
     };
-    Ok(Step::proven(enclosure(enclosed)))
+    let evidence = match prover {
+        Prover::Whole(_) | Prover::Patches(_) => Evidence::Proven,
+        Prover::Chance(chance) => Evidence::Probability(chance.probability()),
+    };
+    Ok(Step { l: enclosure(enclosed), evidence })
 }
 
 /// The lower bound is the value: a Ritz value, which errs by far less than the proof above it.

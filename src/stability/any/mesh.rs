@@ -35,12 +35,15 @@ pub struct MeshModel {
     known: Mutex<Known>,
 }
 
+/// What the prover of a curve depends on.
+type Wanted = (Option<usize>, Option<u64>, Option<u64>);
+
 /// What was computed so far.
 #[derive(Debug, Default)]
 struct Known {
     start: Option<Start>,
     /// The curve of the last prover that was asked for.
-    curve: Option<(Option<usize>, Curve)>,
+    curve: Option<(Wanted, Curve)>,
 }
 
 impl MeshModel {
@@ -209,14 +212,20 @@ impl MeshModel {
         use_it: impl FnOnce(&mut Curve) -> Result<R, Refusal>,
     ) -> Result<R, Refusal> {
         let mut known = self.known();
-        let curve = match known.curve.take().filter(|(patch, _)| *patch == asking.patch) {
+        let wanted = (asking.patch, asking.memory, asking.tolerance.map(f64::to_bits));
+        // The width matters to evidence by chance alone.
+        let same = |(was, curve): &(Wanted, Curve)| {
+            let chance = matches!(curve.prover(), convex::Prover::Chance(_));
+            (was.0, was.1) == (wanted.0, wanted.1) && (!chance || was.2 == wanted.2)
+        };
+        let curve = match known.curve.take().filter(same) {
             Some((_, curve)) => curve,
             None => {
                 let start = self.start(&mut known, asking)?.clone();
                 Curve::begin(start, self.prover(asking)?.0, Self::options(asking))?
             }
         };
-        let (_, curve) = known.curve.insert((asking.patch, curve));
+        let (_, curve) = known.curve.insert((wanted, curve));
         use_it(curve)
     }
 
