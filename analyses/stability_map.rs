@@ -150,6 +150,9 @@ fn compute(options: &Options, jobs: &[Job], output: &Output) -> Result<(Found, u
             found
                 .answers
                 .extend(solved.iter().zip(&rows).flat_map(|(solved, rows)| point_answers(solved, rows)));
+            for solved in &solved {
+                files += modes(job, solved, &options.limit, output, &mut found.answers)?;
+            }
         }
         if output.to_stdout() {
             found.rows.extend(rows.concat());
