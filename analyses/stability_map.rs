@@ -147,10 +147,8 @@ fn compute(options: &Options, jobs: &[Job], output: &Output) -> Result<(Found, u
             found.summaries.extend(solved.iter().map(MapSummary::of));
         }
         if job.points() <= FEW_POINTS && job.chart != Chart::MassFamily {
-            found
-                .answers
-                .extend(solved.iter().zip(&rows).flat_map(|(solved, rows)| point_answers(solved, rows)));
-            for solved in &solved {
+            for (solved, rows) in solved.iter().zip(&rows) {
+                found.answers.extend(point_answers(solved, rows));
                 files += modes(job, solved, &options.limit, output, &mut found.answers)?;
             }
         }

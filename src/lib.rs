@@ -22,6 +22,9 @@
 //! schemes -> impact, verify        runs beside exact solutions; limits found by stepping alone
 //! ```
 //!
+//! [`damping`] tells what dampers of bodies and contacts leave of a step, [`schemes::explicit`] what other explicit schemes
+//! stand and cost.
+//!
 //! A pencil may come from elsewhere: matrices of any mesh, gaps as sparse columns ([`pencil::Pencil::new`]), elements of
 //! one's own ([`fem::assemble_elements`]). So may an engine ([`spectrum::Engine`]) and a scheme ([`schemes::Scheme`]);
 //! `tests/extensions` has one of each, a page long, and the suites that they pass.

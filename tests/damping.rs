@@ -9,6 +9,8 @@ mod amplification;
 #[path = "common/conformance/mod.rs"]
 #[macro_use]
 mod conformance;
+#[path = "common/definite.rs"]
+mod definite;
 #[path = "common/double_double.rs"]
 mod double_double;
 #[path = "damping/energy.rs"]

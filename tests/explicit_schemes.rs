@@ -37,7 +37,7 @@ fn polynomial(scheme: &dyn ExplicitScheme, w: f64) -> Vec<f64> {
 
 /// The least of the quantities all of which are positive for roots inside the unit circle.
 fn inside(p: &[f64]) -> f64 {
-    let odd = if p.len() % 2 == 0 { -1.0 } else { 1.0 };
+    let odd = if p.len().is_multiple_of(2) { -1.0 } else { 1.0 };
     let at = |z: f64| p.iter().fold(0.0, |sum, c| sum * z + c);
     let last = p[p.len() - 1];
     let mut least = at(1.0).min(odd * at(-1.0)).min(1.0 - last.abs());

@@ -11,7 +11,11 @@ mod governing;
 mod largest;
 #[path = "models/patches.rs"]
 mod patches;
+#[path = "models/reference.rs"]
+mod reference;
 #[path = "models/refusals.rs"]
 mod refusals;
 #[path = "models/scenes.rs"]
 mod scenes;
+#[path = "models/stepping.rs"]
+mod stepping;

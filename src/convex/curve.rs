@@ -171,7 +171,12 @@ impl Curve {
         if self.mesh.is_nan() || self.mesh <= 0.0 {
             self.unit = 1.0;
         }
+        let asked = self.options.tolerance;
+        if matches!(self.prover, Prover::Whole(_)) {
+            self.options.tolerance = asked.min(start::CLOSEST);
+        }
         self.prove(0.0);
+        self.options.tolerance = asked;
         Ok(())
     }
 
@@ -296,6 +301,14 @@ impl Curve {
     /// f(0) from below.
     pub fn mesh(&self) -> f64 {
         self.mesh
+    }
+
+    /// What is left between f(0) and its proof, relative; of patches, which prove no closer than they are large, nothing.
+    pub fn mesh_error(&self) -> f64 {
+        match self.prover {
+            Prover::Whole(_) => (self.upper.at(0.0, self.mesh) / self.mesh - 1.0).max(0.0),
+            Prover::Patches(_) => 0.0,
+        }
     }
 
     /// What proves.

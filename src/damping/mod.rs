@@ -49,6 +49,25 @@
 //! contacts hold all unknowns may y* be smaller; then the limit is known from below, 2/A.
 //!
 //! One mode, xi = (A/omega + B omega)/2: h* = (2/omega)(sqrt(1 + xi^2) - xi).
+//!
+//! ```
+//! use bipenalty::damping::{DampedLimit, Damping};
+//! use bipenalty::fem::MassMatrix;
+//! use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
+//! use bipenalty::scene::load;
+//! use bipenalty::spectrum::StepLimit as _;
+//! use bipenalty::stability::Model;
+//!
+//! let model = Model::new(load("signorini")?, MassMatrix::LUMPED, PenaltyMass::Consistent);
+//! let (pencil, omega) = (model.pencil(), model.reference_eigenvalue().sqrt());
+//! // A tenth of critical damping at the top frequency, by the stiffness.
+//! let damping = Damping::new(0.0, 2.0 * 0.1 / omega, 0.0)?;
+//! let limit = DampedLimit::new(&pencil, Box::new(model.auto()), damping);
+//! let step = limit.enclose(&model.penalty(StiffnessPenalty::new(0.0)?, Ratio::OPTIMAL), None)?;
+//! let expected = 2.0 / omega * (1.01_f64.sqrt() - 0.1);
+//! assert!((step.seconds() / expected - 1.0).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod curve;
 mod limit;

@@ -83,7 +83,7 @@ impl Search {
             _ => y * (-0.5 * excess).exp(),
         };
         self.last = Some((y, excess));
-        let inside = secant > self.low && secant < self.high && self.rounds % 3 != 0;
+        let inside = secant > self.low && secant < self.high && !self.rounds.is_multiple_of(3);
         let middle = self.low + 0.5 * (self.high - self.low);
         self.next = if inside { secant } else { middle.max(self.damping.floor()) };
     }

@@ -106,6 +106,17 @@ impl State {
         }
     }
 
+    /// s g^2/2 + m (Z'v)^2/2 of the closed contacts, J, with s and m by contacts and Z'v half of `gap_kick` after that of the
+    /// state: what they store where the mass penalty is an inertia.
+    pub(super) fn penalty_energy(&self, terms: &[(f64, f64)], gap_kick: &[f64]) -> f64 {
+        let stored = |j: usize| {
+            let velocity = self.gap_velocity[j] + 0.5 * gap_kick[j];
+            let (s, m) = terms[j];
+            0.5 * (s * self.gap[j] * self.gap[j] + m * velocity * velocity)
+        };
+        (0..self.gap.len()).filter(|j| self.closed[*j]).map(stored).sum()
+    }
+
     /// lambda g/2 of the closed contacts, J: what they store where the mass penalty is no inertia but a reduced
     /// stiffness.
     pub(super) fn reduced_penalty_energy(&self) -> f64 {

@@ -58,11 +58,13 @@
 //! trial, with one exception: the Park scheme has the contact-free critical step dt_c as a parameter, and that comes
 //! from the contact-free spectrum.
 
+mod any;
 mod lattice;
 mod prediction;
 mod slowest;
 mod trial;
 
+pub use any::{Seconds, limit_of_any};
 pub use prediction::{Confirmation, Prediction, Predictor, confirm};
 pub use trial::LATE_RISE;
 
@@ -78,7 +80,7 @@ use crate::spectrum::Evidence;
 use crate::stability::Model;
 
 use lattice::Lattice;
-use trial::{SWINGS, Trials, WINDOW};
+use trial::{SWINGS, Stepped, Trials, WINDOW};
 
 /// Steps that show a growth of `growth` (ln of the factor a step) in a search to `tolerance`, if the growing mode holds
 /// about `share` of the start and the slowest swing takes `swing` steps. A short trial must exceed the threshold, from one
@@ -226,7 +228,7 @@ pub fn limit_from(
     penalty: Penalty,
     search: &Search,
 ) -> Result<Limit, Refusal> {
-    Lattice::new(&Trials::new(model, scheme, penalty, search)?).limit(first)
+    Lattice::new(&Trials::new(Stepped::bars(model, &penalty)?, scheme, penalty, search)?).limit(first)
 }
 
 /// Refuses what cannot be stepped at all: the diagonalised mass penalty of a pair.
@@ -235,7 +237,7 @@ pub fn limit_from(
 /// See [`Scheme::start`].
 pub fn check(model: &Model, scheme: &dyn Scheme, search: &Search) -> Result<(), Refusal> {
     let penalty = model.penalty(StiffnessPenalty::new(1.0)?, Ratio::OPTIMAL);
-    Trials::new(model, scheme, penalty, search)?.start(1.0).map(|_| ())
+    Trials::new(Stepped::bars(model, &penalty)?, scheme, penalty, search)?.start(1.0).map(|_| ())
 }
 
 /// [`largest_stable_courant`] of every point, in parallel; in the order of `points`.

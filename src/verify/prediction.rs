@@ -8,7 +8,7 @@ use crate::stability::Model;
 
 use super::lattice::Lattice;
 use super::slowest::slowest_period;
-use super::trial::Trials;
+use super::trial::{Stepped, Trials};
 use super::{Limit, Point, Search, steps_to_show};
 
 /// A predicted limit and what a run just above it does.
@@ -124,7 +124,7 @@ pub fn confirm(
     model.check(point.stiffness_penalty, point.ratio)?;
     let search = Search::to(tolerance, scheme)?;
     let penalty = model.penalty(point.stiffness_penalty, point.ratio);
-    let trials = Trials::new(model, scheme, penalty, &search)?;
+    let trials = Trials::new(Stepped::bars(model, &penalty)?, scheme, penalty, &search)?;
     let found = Lattice::new(&trials).limit(predicted.as_ref().map_or(1.0, |p| p.courant))?;
     let mut agrees = predicted.as_ref().and_then(|predicted| found.judge(predicted, tolerance));
     for (low, high) in predicted.iter().flat_map(|predicted| &predicted.islands) {

@@ -4,6 +4,7 @@ use bipenalty::damping::{DampedLimit, Damping};
 use bipenalty::pencil::{Gap, Matrix, Penalty, Pencil};
 use bipenalty::spectrum::{Evidence, StepLimit, engine};
 
+use crate::definite;
 use crate::double_double::Dd;
 use crate::numbers::Numbers;
 use crate::scenes;
@@ -30,17 +31,7 @@ pub fn is_definite(pencil: &Pencil, penalty: &Penalty, damping: Damping, y: Dd) 
             }
         }
     }
-    for p in 0..n {
-        let pivot = a[p].clone();
-        if pivot[p].hi <= 0.0 {
-            return false;
-        }
-        for row in &mut a[p + 1..] {
-            let share = row[p] / pivot[p];
-            row.iter_mut().zip(&pivot).for_each(|(entry, above)| *entry = *entry - share * *above);
-        }
-    }
-    true
+    definite::is_definite(a)
 }
 
 /// The square root, to twice the digits of f64: one step of Newton.

@@ -7,6 +7,7 @@
 use super::dampers::Dampers;
 use crate::damping::Damping;
 use crate::error::Refusal;
+use crate::schemes::predictor_corrector::energy;
 use crate::schemes::{Body, Energy, Motion, State, System};
 
 /// A motion by the damped predictor-corrector.
@@ -73,9 +74,9 @@ impl Motion for Steps {
     fn step(&mut self) {
         self.dampers.kick(&self.body, &self.state, &mut self.kick);
         let Self { body: Body { contacts, dt, .. }, state, kick, predicted, .. } = self;
-        for j in 0..contacts.len() {
-            predicted[j] = state.gap_velocity[j] + contacts.across(j, kick);
-            state.gap[j] += *dt * predicted[j];
+        for (j, predicted) in predicted.iter_mut().enumerate() {
+            *predicted = state.gap_velocity[j] + contacts.across(j, kick);
+            state.gap[j] += *dt * *predicted;
         }
         self.react();
         self.body.contacts.add_columns(-self.body.dt, &self.state.force, &mut self.kick);
@@ -84,10 +85,10 @@ impl Motion for Steps {
         }
         let Self { body: Body { contacts, operator, dt, .. }, state, kick, predicted, .. } = self;
         operator.drift(*dt, kick, &mut state.velocity, &mut state.displacement);
-        for j in 0..contacts.len() {
+        for (j, predicted) in predicted.iter().enumerate() {
             let back = *dt * contacts.mu_times(j, &state.force);
             state.gap[j] -= *dt * back;
-            state.gap_velocity[j] = predicted[j] - back;
+            state.gap_velocity[j] = predicted - back;
             let change = *dt * state.gap_velocity[j];
             state.contact_work += state.force[j] * change;
             state.balance_work += state.force[j] * 0.5 * (change + state.last_gap_change[j]);
@@ -102,11 +103,7 @@ impl Motion for Steps {
     }
 
     fn energy(&mut self) -> Energy {
-        let Self { body, state, .. } = self;
-        let energy = body.energy(state, &state.velocity);
-        let pull = body.pencil.stiffness().strain(&state.velocity, &state.displacement);
-        let shadow = -0.5 * body.dt * (pull - body.work(&state.velocity));
-        let penalty = state.reduced_penalty_energy();
-        Energy { penalty, loss: state.balance_work - penalty + shadow + self.dampers.dissipated, ..energy }
+        let energy = energy(&self.body, &self.state);
+        Energy { loss: energy.loss + self.dampers.dissipated, ..energy }
     }
 }

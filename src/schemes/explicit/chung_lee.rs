@@ -1,3 +1,5 @@
+//! Accelerations of the displacement a step before, weighted so that the damping is of second order.
+//!
 //! ```text
 //! a' = M^-1 (f - K u)      u' = u + dt v + dt^2 ((1/2 - beta) a + beta a')      v' = v + dt (3/2 a' - a/2)
 //! ```

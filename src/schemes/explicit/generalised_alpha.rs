@@ -1,3 +1,5 @@
+//! Equilibrium between two accelerations, with the force at the start of the step.
+//!
 //! ```text
 //! M ((1 - alpha) a' + alpha a) = f - K u
 //! u' = u + dt v + dt^2 ((1/2 - beta) a + beta a')      v' = v + dt ((1 - gamma) a + gamma a')

@@ -50,13 +50,13 @@ pub struct ExplicitFacts {
     pub title: &'static str,
     /// The symbol of its parameter, dimensionless.
     pub parameter: &'static str,
-    /// The value of the parameter that its authors take.
+    /// The value of the parameter that is taken where none is given.
     pub usual: f64,
     /// The values that are accepted, ends included: for these Omega is proven.
     pub allowed: (f64, f64),
     /// Internal forces K u evaluated in a step.
     pub evaluations: usize,
-    /// Order of accuracy in dt for the usual value.
+    /// Order of accuracy in dt with the usual value.
     pub order: usize,
     /// Omega = (omega dt) at the limit, as a formula.
     pub formula: &'static str,

@@ -10,6 +10,7 @@ mod motion;
 pub(super) use bound::Bound;
 pub use limit::ClosedLimit;
 use motion::Steps;
+pub(super) use motion::energy;
 
 use super::closed::ClosedContacts;
 use super::{ContactSearch, Facts, Motion, Onset, Scheme, System};

@@ -128,11 +128,15 @@ impl Motion for Steps {
     }
 
     fn energy(&mut self) -> Energy {
-        let Self { body, state, .. } = self;
-        let energy = body.energy(state, &state.velocity);
-        let pull = body.pencil.stiffness().strain(&state.velocity, &state.displacement);
-        let shadow = -0.5 * body.dt * (pull - body.work(&state.velocity));
-        let penalty = state.reduced_penalty_energy();
-        Energy { penalty, loss: state.balance_work - penalty + shadow, ..energy }
+        energy(&self.body, &self.state)
     }
+}
+
+/// The energies of a motion by the predictor-corrector, with the loss that its steps and contacts make.
+pub(in crate::schemes) fn energy(body: &Body, state: &State) -> Energy {
+    let energy = body.energy(state, &state.velocity);
+    let pull = body.pencil.stiffness().strain(&state.velocity, &state.displacement);
+    let shadow = -0.5 * body.dt * (pull - body.work(&state.velocity));
+    let penalty = state.reduced_penalty_energy();
+    Energy { penalty, loss: state.balance_work - penalty + shadow, ..energy }
 }

@@ -133,8 +133,9 @@ impl MeshModel {
         self.meshed.as_ref().map(|meshed| &meshed.elements)
     }
 
-    /// omega_ref^2, rad^2/s^2: as given, or l_max(K, M) as computed to 1e-6, a lower bound of it. The same number
-    /// whatever else is asked.
+    /// omega_ref^2, rad^2/s^2: as given, or l_max(K, M) as computed, a lower bound of it. The same number whatever else is
+    /// asked. Where the whole matrix is factorised, each enclosure is wide enough for the rest, some 1e-11, so that it holds
+    /// for l_max(K, M) itself; patches prove it only as closely as they are large, and their enclosures hold for the number.
     ///
     /// # Errors
     /// A mass that is not positive definite; a factor of it that does not fit into memory; a stiffness that resists nothing.
@@ -152,6 +153,11 @@ impl MeshModel {
             value,
             "a stiffness that resists, or a number",
         ))
+    }
+
+    /// How far the reference of a mesh may lie above the number, relative.
+    pub(super) fn reference_error(&self, curve: &Curve) -> f64 {
+        if self.given.is_some() { 0.0 } else { curve.mesh_error() }
     }
 
     /// Refuses what does not apply.
