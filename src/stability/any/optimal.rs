@@ -15,6 +15,9 @@ use crate::stability::{
     Expectation, Model, OptimalRatio, contour, optimal_ratio, optimal_scheme_ratio, scheme_contour,
 };
 
+/// The ratio that was found, and the one that the theory expects.
+type FoundAndExpected = (Option<OptimalRatio>, Option<f64>);
+
 impl AnyModel {
     /// Encloses the largest ratio that costs no step at `beta_s`; `None` if none costs any. For the spectrum it is
     /// r* = l_max(K, M)/omega_ref^2 where the top mode moves a gap, and larger where it does not; for the
@@ -37,7 +40,7 @@ impl AnyModel {
         beta_s: &[f64],
         asking: &Asking,
         done: &(dyn Fn(usize) + Sync),
-    ) -> Result<Vec<(Option<OptimalRatio>, Option<f64>)>> {
+    ) -> Result<Vec<FoundAndExpected>> {
         self.check(asking)?;
         let beta_s = beta_s.iter().map(|b| StiffnessPenalty::new(*b)).collect::<Result<Vec<_>, _>>()?;
         match self {
@@ -87,7 +90,7 @@ fn ratios_of_bars(
     of_scheme: bool,
     beta_s: &[StiffnessPenalty],
     done: &(dyn Fn(usize) + Sync),
-) -> Result<Vec<(Option<OptimalRatio>, Option<f64>)>, Uncertified> {
+) -> Result<Vec<FoundAndExpected>, Uncertified> {
     let expectation = if of_scheme { None } else { Some(Expectation::of(model, limit)?) };
     let one = |b: &StiffnessPenalty| {
         let found = match &expectation {
