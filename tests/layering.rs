@@ -38,6 +38,8 @@ fn rust_files(directory: &Path) -> Vec<PathBuf> {
     for entry in fs::read_dir(directory).unwrap() {
         let path = entry.unwrap().path();
         match path.extension() {
+            // A crate of its own: Cargo keeps its order.
+            _ if path.join("Cargo.toml").exists() => (),
             _ if path.is_dir() => found.extend(rust_files(&path)),
             Some(ending) if ending == "rs" => found.push(path),
             _ => (),
@@ -157,7 +159,7 @@ fn the_reader_sees_every_form_of_import() {
 
 #[test]
 fn files_are_short() {
-    let folders = ["src", "analyses", "tests"].map(|folder| root().join(folder));
+    let folders = ["src", "src/python/src", "analyses", "tests"].map(|folder| root().join(folder));
     let files: Vec<PathBuf> = folders.iter().flat_map(|folder| rust_files(folder)).collect();
     assert!(files.len() > 30);
     let lines = |path: &Path| fs::read_to_string(path).unwrap().lines().count();

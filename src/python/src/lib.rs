@@ -1,0 +1,44 @@
+//! The library as the Python module `bipenalty._bipenalty`: what is computed stays in Rust, what users see is written in
+//! Python beside it (`bipenalty/`), and this crate carries numbers from one to the other.
+//!
+//! Results are tuples and arrays here; the Python package gives them names, units and a `repr`.
+
+mod arrays;
+mod impact;
+mod map;
+mod model;
+mod work;
+
+use bipenalty::error::{Error, Refusal};
+use pyo3::exceptions::{PyArithmeticError, PyValueError};
+use pyo3::prelude::*;
+
+pyo3::create_exception!(
+    bipenalty,
+    Uncertified,
+    PyArithmeticError,
+    "No enclosure of the limit is as narrow as was asked for; the message says what was reached."
+);
+
+/// What the library refuses is a `ValueError` with its text.
+fn refused(refusal: Refusal) -> PyErr {
+    PyValueError::new_err(refusal.to_string())
+}
+
+/// As [`refused`], for a scene that cannot be read too.
+fn failed(error: Error) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// A limit that could not be enclosed closely enough.
+fn uncertified(error: impl std::fmt::Display) -> PyErr {
+    Uncertified::new_err(error.to_string())
+}
+
+#[pymodule(gil_used = false)]
+fn _bipenalty(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("Uncertified", module.py().get_type::<Uncertified>())?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<model::Core>()?;
+    module.add_class::<map::Map>()
+}
