@@ -47,6 +47,16 @@ pub enum Error {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// A limit that could not be enclosed closely enough.
+    #[error("{message}")]
+    Uncertified {
+        /// Proven lower bound of l_max, rad^2/s^2; 0 where there is none.
+        lower: f64,
+        /// Proven upper bound of l_max, rad^2/s^2; infinite where there is none.
+        upper: f64,
+        /// What was reached and what was asked.
+        message: String,
+    },
 }
 
 /// The result of everything here that can fail.

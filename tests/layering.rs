@@ -20,7 +20,13 @@ const MAY_NAME: [(&str, &[&str]); 15] = [
     ("convex", &["error", "sparse", "pencil"]),
     ("penalty", &["error", "pencil"]),
     ("spectrum", &["error", "sparse", "pencil"]),
-    ("stability", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes"]), // whose limit
+    (
+        "stability", // of any scene, and the limits of schemes
+        &[
+            "error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "sparse", "mesh",
+            "matrices", "convex",
+        ],
+    ),
     ("schemes", &["error", "sparse", "pencil", "spectrum"]),
     ("impact", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "stability"]),
     ("verify", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "stability", "schemes", "impact"]),

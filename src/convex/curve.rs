@@ -6,6 +6,7 @@ use super::operator::Operator;
 use super::patches::Patches;
 use super::pencil::MeshPencil;
 use super::point::{Asked, Enclosed, TooWide};
+use super::start::{self, Start};
 use super::subspace::{Line, Subspace};
 use super::upper::{Point, Upper};
 use super::vectors::dot;
@@ -21,6 +22,29 @@ pub enum Prover {
 }
 
 impl Prover {
+    /// A factorisation of the whole matrix, which may take `allowed` bytes.
+    ///
+    /// # Errors
+    /// It would take more.
+    pub fn whole(pencil: &MeshPencil, allowed: usize) -> Result<Self, Refusal> {
+        match Factorisation::new(pencil, allowed) {
+            Ok(factorisation) => Ok(Self::Whole(Box::new(factorisation))),
+            Err(TooLarge { needed, allowed }) => Err(Refusal::new(
+                "memory of the factorisation",
+                format!("{needed} bytes"),
+                format!("at most {allowed} bytes"),
+            )),
+        }
+    }
+
+    /// Bytes of the factor of the whole matrix.
+    pub fn memory(&self) -> usize {
+        match self {
+            Self::Whole(factorisation) => factorisation.memory(),
+            Self::Patches(_) => 0,
+        }
+    }
+
     fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64) -> Verdict {
         match self {
             Self::Whole(factorisation) => factorisation.prove(u, a, t, margin),
@@ -66,8 +90,8 @@ pub struct Effort {
 
 /// f of one pencil, with all that is known about it so far.
 #[derive(Debug)]
-pub struct Curve<'a> {
-    operator: Operator<'a>,
+pub struct Curve {
+    operator: Operator,
     prover: Prover,
     options: Options,
     subspace: Subspace,
@@ -79,60 +103,52 @@ pub struct Curve<'a> {
     unit: f64,
 }
 
-impl<'a> Curve<'a> {
+impl Curve {
     /// The curve of a pencil, proven by factorising the whole matrix.
     ///
     /// # Errors
     /// M is not positive definite, the factor needs more than the allowed memory, or mu could not be proven.
-    pub fn new(pencil: &'a MeshPencil, options: Options) -> Result<Self, Refusal> {
-        let factorisation =
-            Factorisation::new(pencil, options.memory).map_err(|TooLarge { needed, allowed }| {
-                Refusal::new(
-                    "memory of the factorisation",
-                    format!("{needed} bytes"),
-                    format!("at most {allowed} bytes"),
-                )
-            })?;
-        Self::with(pencil, Prover::Whole(Box::new(factorisation)), options)
+    pub fn new(pencil: &MeshPencil, options: Options) -> Result<Self, Refusal> {
+        Self::with(pencil, Prover::whole(pencil, options.memory)?, options)
     }
 
     /// The curve of a pencil, proven by a prover of one's choice.
     ///
     /// # Errors
     /// As [`Curve::new`].
-    pub fn with(pencil: &'a MeshPencil, prover: Prover, options: Options) -> Result<Self, Refusal> {
-        let operator = Operator::new(pencil, options.memory)?;
-        let memory = match &prover {
-            Prover::Whole(factorisation) => factorisation.memory(),
-            Prover::Patches(_) => 0,
-        };
-        let effort = Effort { memory, ..Effort::default() };
-        let (subspace, upper) = (Subspace::new(pencil), Upper::new(f64::INFINITY));
+    pub fn with(pencil: &MeshPencil, prover: Prover, options: Options) -> Result<Self, Refusal> {
+        Self::begin(Start::new(pencil, &options)?, prover, options)
+    }
+
+    /// The curve that begins with a start.
+    ///
+    /// # Errors
+    /// mu could not be proven.
+    pub fn begin(start: Start, prover: Prover, options: Options) -> Result<Self, Refusal> {
+        let (mesh, vector) = (start.mesh(), start.vector);
+        let pencil = start.operator.pencil().clone();
+        let effort = Effort { memory: prover.memory(), ..Effort::default() };
+        let (subspace, upper) = (Subspace::new(&pencil), Upper::new(f64::INFINITY));
         let mut curve = Self {
-            operator,
+            operator: start.operator,
             prover,
             options,
             subspace,
             lines: Vec::new(),
             upper,
             effort,
-            mesh: 0.0,
+            mesh,
             unit: 1.0,
         };
-        curve.begin()?;
+        curve.ends(&vector)?;
         Ok(curve)
     }
 
-    /// mu = l_max(P, M), proven; f(0) sampled and proven.
-    fn begin(&mut self) -> Result<(), Refusal> {
+    /// mu = l_max(P, M), and f(0), whose vector is known: both proven.
+    fn ends(&mut self, top: &[f64]) -> Result<(), Refusal> {
         let mut slope = 0.0;
         if !self.operator.pencil().contacts().is_empty() {
-            let search = Search {
-                basis: self.options.basis,
-                tolerance: 1e-6,
-                most_products: self.options.most_products,
-                closed: false,
-            };
+            let search = Search { tolerance: start::TOLERANCE, ..self.search(false) };
             let found = largest(&self.operator, (0.0, 1.0), None, &search);
             self.subspace.add(&self.operator, &found.vector);
             slope = self.climb(found.value, (0.0, 1.0), found.residual.max(1e-9 * found.value)).ok_or_else(
@@ -146,8 +162,8 @@ impl<'a> Curve<'a> {
             )?;
         }
         self.upper = Upper::new(slope);
-        self.sample(0.0, false);
-        self.mesh = self.lower_at(0.0);
+        self.subspace.add(&self.operator, top);
+        self.lower_at(0.0);
         self.unit = if slope > 0.0 { self.mesh.abs().max(f64::MIN_POSITIVE) / slope } else { 1.0 };
         if self.mesh.is_nan() || self.mesh <= 0.0 {
             self.unit = 1.0;
@@ -266,6 +282,15 @@ impl<'a> Curve<'a> {
             }
         }
         self.prove(t) || proven
+    }
+
+    /// As [`Curve::enclose`] with a width of its own, which later questions keep.
+    ///
+    /// # Errors
+    /// As [`Curve::enclose`].
+    pub fn enclose_to(&mut self, asked: &[Asked], tolerance: f64) -> Vec<Result<Enclosed, TooWide>> {
+        self.options.tolerance = tolerance;
+        self.enclose(asked)
     }
 
     /// Encloses all points asked for, one result for each.

@@ -1,6 +1,7 @@
 //! M^-1 (a K + t P), applied to vectors.
 
 use std::cell::Cell;
+use std::sync::Arc;
 
 use super::factor::MassFactor;
 use super::pencil::MeshPencil;
@@ -11,19 +12,19 @@ use crate::error::Refusal;
 ///
 /// A factor is taken rather than an inner iteration: two triangular solves cost a few products, an iteration to the last
 /// digits of a consistent mass matrix 30 to 70, and a Lanczos basis needs all digits.
-#[derive(Debug)]
-pub struct Operator<'a> {
-    pencil: &'a MeshPencil,
-    inverse: Option<MassFactor>,
+#[derive(Debug, Clone)]
+pub struct Operator {
+    pencil: MeshPencil,
+    inverse: Option<Arc<MassFactor>>,
     products: Cell<usize>,
 }
 
-impl<'a> Operator<'a> {
+impl Operator {
     /// The operator of a pencil; the factor of M may take `allowed` bytes.
     ///
     /// # Errors
     /// M is not positive definite, or its factor needs more memory.
-    pub fn new(pencil: &'a MeshPencil, allowed: usize) -> Result<Self, Refusal> {
+    pub fn new(pencil: &MeshPencil, allowed: usize) -> Result<Self, Refusal> {
         let refusal = || {
             let allowed = format!("a positive definite matrix whose factor takes at most {allowed} bytes");
             Refusal::new("mass matrix", "a matrix that could not be factorised", allowed)
@@ -31,14 +32,14 @@ impl<'a> Operator<'a> {
         let inverse = if pencil.mass().is_diagonal() {
             None
         } else {
-            Some(MassFactor::new(pencil, allowed).ok_or_else(refusal)?)
+            Some(Arc::new(MassFactor::new(pencil, allowed).ok_or_else(refusal)?))
         };
-        Ok(Self { pencil, inverse, products: Cell::new(0) })
+        Ok(Self { pencil: pencil.clone(), inverse, products: Cell::new(0) })
     }
 
     /// The pencil.
-    pub fn pencil(&self) -> &'a MeshPencil {
-        self.pencil
+    pub fn pencil(&self) -> &MeshPencil {
+        &self.pencil
     }
 
     /// How many products with K were made so far.

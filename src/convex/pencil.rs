@@ -1,13 +1,19 @@
 //! The pencil of any mesh as the curve needs it: K, M and the contacts, and nothing of how large they are.
 
+use std::sync::Arc;
+
 use super::vectors::dot;
 use crate::error::Refusal;
 use crate::pencil::{Gap, Matrix, Pencil, check_gaps, check_matrices};
 
 /// K, M and P = sum_j w_j z_j z_j' of a mesh. Unlike a [`Pencil`] it needs no bounds of its entries, since the curve
 /// proves its own, and no reference, since f(0) is that of a mesh.
+/// Cheap to clone: the matrices are shared.
 #[derive(Debug, Clone)]
-pub struct MeshPencil {
+pub struct MeshPencil(Arc<Parts>);
+
+#[derive(Debug)]
+struct Parts {
     stiffness: Matrix,
     mass: Matrix,
     contacts: Vec<Gap>,
@@ -38,32 +44,32 @@ impl MeshPencil {
 
     fn of_checked(stiffness: Matrix, mass: Matrix, contacts: Vec<Gap>) -> Self {
         let diagonal = (0..mass.size()).map(|i| mass.diagonal(i)).collect();
-        Self { stiffness, mass, contacts, diagonal }
+        Self(Arc::new(Parts { stiffness, mass, contacts, diagonal }))
     }
 
     /// Number of unknowns.
     pub fn size(&self) -> usize {
-        self.diagonal.len()
+        self.0.diagonal.len()
     }
 
     /// K.
     pub fn stiffness(&self) -> &Matrix {
-        &self.stiffness
+        &self.0.stiffness
     }
 
     /// M.
     pub fn mass(&self) -> &Matrix {
-        &self.mass
+        &self.0.mass
     }
 
     /// The contacts.
     pub fn contacts(&self) -> &[Gap] {
-        &self.contacts
+        &self.0.contacts
     }
 
     /// diag(M).
     pub fn mass_diagonal(&self) -> &[f64] {
-        &self.diagonal
+        &self.0.diagonal
     }
 
     /// y = (a K + t P) x.
@@ -71,13 +77,13 @@ impl MeshPencil {
         if a == 0.0 {
             y.fill(0.0);
         } else {
-            self.stiffness.multiply(x, y);
+            self.0.stiffness.multiply(x, y);
             if a != 1.0 {
                 y.iter_mut().for_each(|y| *y *= a);
             }
         }
         if t != 0.0 {
-            for contact in &self.contacts {
+            for contact in &self.0.contacts {
                 contact.column.add_to(t * contact.scale * contact.column.dot(x), y);
             }
         }
@@ -85,7 +91,7 @@ impl MeshPencil {
 
     /// y = M x.
     pub fn multiply_mass(&self, x: &[f64], y: &mut [f64]) {
-        self.mass.multiply(x, y);
+        self.0.mass.multiply(x, y);
     }
 
     /// The Rayleigh quotients x'Kx/x'Mx and x'Px/x'Mx, in plain arithmetic.
@@ -93,8 +99,8 @@ impl MeshPencil {
         let mut y = vec![0.0; self.size()];
         self.multiply_mass(x, &mut y);
         let mass = dot(x, &y);
-        self.stiffness.multiply(x, &mut y);
-        let penalty: f64 = self.contacts.iter().map(|c| c.scale * c.column.dot(x).powi(2)).sum();
+        self.0.stiffness.multiply(x, &mut y);
+        let penalty: f64 = self.0.contacts.iter().map(|c| c.scale * c.column.dot(x).powi(2)).sum();
         (dot(x, &y) / mass, penalty / mass)
     }
 }

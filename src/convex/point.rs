@@ -1,5 +1,7 @@
 //! A point of the map, and what is known about it.
 
+use crate::error::Error;
+
 /// A point asked for: l = f(s - l m), that is l_max(K + s P, M + m P).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asked {
@@ -56,4 +58,11 @@ pub struct TooWide {
     pub enclosed: Enclosed,
     /// The relative width asked for.
     pub tolerance: f64,
+}
+
+impl From<TooWide> for Error {
+    fn from(wide: TooWide) -> Self {
+        let Enclosed { lower, upper } = wide.enclosed;
+        Self::Uncertified { lower, upper, message: wide.to_string() }
+    }
 }

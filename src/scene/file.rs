@@ -49,9 +49,14 @@ struct ImpactText {
 /// # Errors
 /// A name that is neither, a file that cannot be read, and everything [`Scene::new`] refuses.
 pub fn load(argument: &str) -> Result<Scene> {
-    if let Some(scene) = built_in(argument) {
-        return scene;
+    match built_in(argument) {
+        Some(scene) => scene,
+        None => parse(&read(argument)?, argument),
     }
+}
+
+/// The text of the scene file at `argument`.
+pub(crate) fn read(argument: &str) -> Result<String> {
     let path = Path::new(argument);
     if !path.exists() {
         let names: Vec<_> = super::BUILT_IN.iter().map(|(name, _)| *name).collect();
@@ -62,16 +67,18 @@ pub fn load(argument: &str) -> Result<Scene> {
         )
         .into());
     }
-    let text = std::fs::read_to_string(path).map_err(|source| Error::File {
+    std::fs::read_to_string(path).map_err(|source| Error::File {
         path: path.to_owned(),
         wanted: "read as UTF-8 text",
         source,
-    })?;
-    parse(&text, argument)
+    })
 }
 
 /// Reads a scene from TOML `text`; `path` is what messages call it.
-pub(super) fn parse(text: &str, path: &str) -> Result<Scene> {
+///
+/// # Errors
+/// TOML that cannot be read, keys that are not known, and everything [`Scene::new`] refuses, with its line.
+pub fn parse(text: &str, path: &str) -> Result<Scene> {
     let raw: SceneText = toml::from_str(text).map_err(|error| in_file(&error, text, path))?;
     let lines = Lines::of(&raw, text);
     let place = |key: &str| format!("{path}, line {}, {key}", lines.line(key));

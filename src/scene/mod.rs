@@ -19,8 +19,8 @@ mod builtin;
 mod file;
 
 pub use builtin::{BUILT_IN, built_in};
-pub use file::load;
-pub(crate) use file::{in_file, line_of};
+pub(crate) use file::{in_file, line_of, read};
+pub use file::{load, parse};
 
 use crate::error::Refusal;
 

@@ -25,7 +25,7 @@ pub(crate) use secular::chebyshev;
 pub use step::{Evidence, OfSpectrum, Spectrum, Step, StepLimit};
 pub use sturm::Sturm;
 
-use crate::error::Refusal;
+use crate::error::{Error, Refusal};
 use crate::pencil::{ChainPencil, Penalty, Pencil, Terms};
 
 /// Unit roundoff of f64, 2^-53.
@@ -63,13 +63,26 @@ impl Enclosure {
 /// An eigenvalue that could not be enclosed tightly enough to be quoted.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
-    "l_max = {value:e} rad^2/s^2 was enclosed to {width:e} relative only, wider than {WIDEST_ENCLOSURE:e} allows"
+    "l_max = {value:e} rad^2/s^2 was enclosed to {width:e} relative only: wider than a certificate of {WIDEST_ENCLOSURE:e} or \
+     the width asked for allows"
 )]
 pub struct Uncertified {
-    /// The value that was found, rad^2/s^2.
+    /// The value that was found, rad^2/s^2; of the convex curve its proven lower bound, with the upper one at value (1 + width).
     pub value: f64,
     /// The relative width that was reached; infinite when the check contradicted the value.
     pub width: f64,
+}
+
+impl From<Uncertified> for Error {
+    /// Without a width nothing is proven; with one the value lies anywhere between the ends.
+    fn from(uncertified: Uncertified) -> Self {
+        let Uncertified { value, width } = uncertified;
+        let (lower, upper) = match width.is_finite() {
+            true => (value * (1.0 - width), value * (1.0 + width)),
+            false => (0.0, f64::INFINITY),
+        };
+        Self::Uncertified { lower, upper, message: uncertified.to_string() }
+    }
 }
 
 /// One way to the largest eigenvalue of one pencil, for any penalty of its contacts.

@@ -1,5 +1,6 @@
 //! From eigenvalues to time steps: the critical step, grids of penalties, maps, contour lines, the optimal ratio.
 
+mod any;
 mod auto;
 mod band;
 mod closed_form;
@@ -10,6 +11,7 @@ mod model;
 mod optimal_ratio;
 mod uniform_bar;
 
+pub use any::{AnyModel, AnyScene, Asking, LimitOf, MeshModel, Plan, Prover};
 pub use auto::Auto;
 pub use closed_form::ClosedForm;
 pub use contour::{contour, scheme_contour};

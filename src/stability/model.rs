@@ -175,15 +175,8 @@ impl Model {
     /// # Errors
     /// See [`penalty::check`].
     pub fn check_grid(&self, grid: &Grid) -> Result<(), Refusal> {
-        let positive = || grid.stiffness_penalties.iter().filter(|b| b.get() > 0.0).copied();
-        let smallest = positive().reduce(|a, b| if b < a { b } else { a });
-        let largest = positive().reduce(|a, b| if b > a { b } else { a });
-        for beta_s in [smallest, largest].into_iter().flatten() {
-            for ratio in &grid.ratios {
-                self.check(beta_s, *ratio)?;
-            }
-        }
-        Ok(())
+        let scales: Vec<f64> = self.scales.iter().map(|scale| scale.stiffness).collect();
+        check_grid(&scales, self.reference_eigenvalue, grid)
     }
 
     /// Refuses a scene whose pencil the memory does not hold.
@@ -276,26 +269,40 @@ impl Model {
         critical_courant / self.reference_rate.sqrt()
     }
 
-    /// The critical step of an enclosed eigenvalue. Division and square root round three times, hence the margin.
+    /// The critical step of an enclosed eigenvalue.
     pub fn critical_step(&self, l: Enclosure) -> CriticalStep {
-        let margin = 2.0 * f64::EPSILON;
-        CriticalStep {
-            omega_max: l.value.sqrt(),
-            critical_courant: self.critical_courant(l.value),
-            lower: self.critical_courant(l.upper) * (1.0 - margin),
-            upper: self.critical_courant(l.lower) * (1.0 + margin),
-            evidence: Evidence::Proven,
-        }
+        critical_step(self.reference_rate, Step::proven(l))
     }
 
     /// The critical step of a limit with its evidence.
     pub fn critical_step_of(&self, step: Step) -> CriticalStep {
-        let found = CriticalStep { evidence: step.evidence, ..self.critical_step(step.l) };
-        match step.evidence {
-            Evidence::LowerBound => {
-                CriticalStep { critical_courant: found.lower, upper: f64::INFINITY, ..found }
-            }
-            Evidence::Proven | Evidence::Probability(_) => found,
+        critical_step(self.reference_rate, step)
+    }
+}
+
+/// The critical step of a limit where C_r = 2 sqrt(rate/l). Division and square root round three times, hence the margin.
+pub(super) fn critical_step(rate: f64, step: Step) -> CriticalStep {
+    let courant = |l: f64| 2.0 * (rate / l).sqrt();
+    let margin = 2.0 * f64::EPSILON;
+    let Step { l, evidence } = step;
+    let lower = courant(l.upper) * (1.0 - margin);
+    let (value, upper) = match evidence {
+        Evidence::LowerBound => (lower, f64::INFINITY),
+        Evidence::Proven | Evidence::Probability(_) => (courant(l.value), courant(l.lower) * (1.0 + margin)),
+    };
+    CriticalStep { omega_max: l.value.sqrt(), critical_courant: value, lower, upper, evidence }
+}
+
+/// Refuses a grid whose penalties f64 cannot hold at contacts of these scales (N/m); s and m are monotone, so its
+/// corners tell. `reference` is omega^2.
+pub(super) fn check_grid(scales: &[f64], reference: f64, grid: &Grid) -> Result<(), Refusal> {
+    let positive = || grid.stiffness_penalties.iter().filter(|b| b.get() > 0.0).copied();
+    let smallest = positive().reduce(|a, b| if b < a { b } else { a });
+    let largest = positive().reduce(|a, b| if b > a { b } else { a });
+    for beta_s in [smallest, largest].into_iter().flatten() {
+        for (ratio, scale) in grid.ratios.iter().flat_map(|r| scales.iter().map(move |w| (r, w))) {
+            penalty::check(*scale, reference, beta_s, *ratio)?;
         }
     }
+    Ok(())
 }

@@ -1,0 +1,46 @@
+//! What every curve of a pencil begins with: f(0), the square of the largest frequency without contact.
+
+use super::curve::Options;
+use super::lanczos::{Search, largest};
+use super::operator::Operator;
+use super::pencil::MeshPencil;
+use super::subspace::Subspace;
+use crate::error::Refusal;
+
+/// |A x - theta M x| over theta of mu and f(0): no eigenvalue is farther off, and most are nearer by the square. One number,
+/// so that f(0) does not depend on what is asked afterwards: it is the reference of meshes.
+pub(super) const TOLERANCE: f64 = 1e-6;
+
+/// The top of the contact-free pencil, found once for all provers.
+#[derive(Debug, Clone)]
+pub struct Start {
+    pub(super) operator: Operator,
+    pub(super) vector: Vec<f64>,
+    mesh: f64,
+}
+
+impl Start {
+    /// Finds the top vector of (K, M); the factor of M may take `options.memory` bytes.
+    ///
+    /// # Errors
+    /// M is not positive definite, or its factor needs more memory.
+    pub fn new(pencil: &MeshPencil, options: &Options) -> Result<Self, Refusal> {
+        let operator = Operator::new(pencil, options.memory)?;
+        let search = Search {
+            basis: options.basis,
+            tolerance: TOLERANCE,
+            most_products: options.most_products,
+            closed: false,
+        };
+        let vector = largest(&operator, (1.0, 0.0), None, &search).vector;
+        let mut subspace = Subspace::new(pencil);
+        subspace.add(&operator, &vector);
+        let mesh = subspace.line(&subspace.ritz(0.0)).at(0.0);
+        Ok(Self { operator, vector, mesh })
+    }
+
+    /// f(0) from below, to [`TOLERANCE`].
+    pub fn mesh(&self) -> f64 {
+        self.mesh
+    }
+}

@@ -1,0 +1,135 @@
+//! What is asked of a model, and what will be done for it.
+
+use std::sync::Arc;
+
+use crate::error::Refusal;
+use crate::schemes::{Scheme, SchemeName};
+use crate::stability::EngineName;
+
+/// Whose limit of the time step.
+#[derive(Debug, Clone, Default)]
+pub enum LimitOf {
+    /// 2/omega_max of the penalised pencil.
+    #[default]
+    Spectrum,
+    /// A scheme with its parameters, contacts closed.
+    Scheme(Arc<dyn Scheme>),
+}
+
+impl LimitOf {
+    /// The name in records.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Spectrum => "spectrum",
+            Self::Scheme(scheme) => scheme.facts().name,
+        }
+    }
+
+    /// The scheme whose limit is not the spectrum's.
+    pub fn scheme(&self) -> Option<&dyn Scheme> {
+        match self {
+            Self::Scheme(scheme) if scheme.facts().name != SchemeName::CentralDifference.name() => {
+                Some(&**scheme)
+            }
+            Self::Spectrum | Self::Scheme(_) => None,
+        }
+    }
+}
+
+impl From<SchemeName> for LimitOf {
+    fn from(name: SchemeName) -> Self {
+        Self::Scheme(name.into())
+    }
+}
+
+/// What is asked, beside the points.
+#[derive(Debug, Clone, Default)]
+pub struct Asking {
+    /// Whose limit.
+    pub limit: LimitOf,
+    /// What finds it; of matrices and meshes `auto` alone, which is the convex curve.
+    pub engine: EngineName,
+    /// The widest enclosure of a step, relative; by default [`Asking::FEW`] where up to 64 points are asked and
+    /// [`Asking::MANY`] for more. Bars are always enclosed to 1e-13.
+    pub tolerance: Option<f64>,
+    /// Elements along an edge of a patch, for the proof by patches; chosen where there is none.
+    pub patch: Option<usize>,
+    /// Bytes that one factor may take; by default what the machine has left.
+    pub memory: Option<u64>,
+}
+
+/// Up to this many points are enclosed to [`Asking::FEW`].
+const FEW_POINTS: usize = 64;
+
+impl Asking {
+    /// The width of a few points.
+    pub const FEW: f64 = 1e-9;
+    /// The width of a map.
+    pub const MANY: f64 = 1e-3;
+
+    /// The width asked for at each of `points` points.
+    pub fn width(&self, points: usize) -> f64 {
+        self.tolerance.unwrap_or(if points <= FEW_POINTS { Self::FEW } else { Self::MANY })
+    }
+
+    /// Refuses values that mean nothing.
+    ///
+    /// # Errors
+    /// A tolerance outside of 1e-13, the rounding of a step, to 1; a patch of no element.
+    pub fn check(&self) -> Result<(), Refusal> {
+        if let Some(tolerance) = self.tolerance.filter(|e| !(NARROWEST..=1.0).contains(e)) {
+            return Err(Refusal::new("tolerance", tolerance, format!("a number from {NARROWEST:e} to 1")));
+        }
+        match self.patch {
+            Some(0) => Err(Refusal::new("patch", 0, "at least 1 element along an edge")),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The narrowest enclosure of a step that can be asked for: the certificates of bars reach no further.
+const NARROWEST: f64 = 1e-13;
+
+/// What proves a bound of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Prover {
+    /// A sparse Cholesky factorisation of the whole matrix.
+    Factorisation,
+    /// Small Cholesky factorisations of patches of elements.
+    Patches {
+        /// Elements along an edge of a patch.
+        edge: usize,
+    },
+    /// Nothing: Lanczos from a random start, with a probability of being wrong.
+    Chance {
+        /// That probability, for all points together.
+        probability: f64,
+        /// Steps of each search.
+        steps: usize,
+    },
+}
+
+/// What will be computed for an [`Asking`] and a number of points, before it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Unknowns n.
+    pub unknowns: usize,
+    /// Contacts.
+    pub contacts: usize,
+    /// Elements, where the scene has them.
+    pub elements: Option<usize>,
+    /// Points asked for.
+    pub points: usize,
+    /// The width each is enclosed to, relative; `None` where the bound itself decides.
+    pub tolerance: Option<f64>,
+    /// The engine of the rows.
+    pub engine: &'static str,
+    /// What proves; `None` for bars, whose engines prove each point as they find it.
+    pub prover: Option<Prover>,
+    /// About how many eigenproblems of n unknowns are solved.
+    pub eigenproblems: usize,
+    /// About how many bounds are proven.
+    pub proofs: usize,
+    /// Bytes that it takes at most: the matrices, the vectors and one factor; `None` where nothing is assembled.
+    pub memory: Option<u64>,
+}

@@ -1,0 +1,109 @@
+//! Maps of meshes: every point of a spectrum from the convex curve, and of the predictor-corrector from two numbers of it.
+
+use super::asking::Asking;
+use super::mesh::MeshModel;
+use crate::convex::{Asked, Curve, Enclosed};
+use crate::error::Refusal;
+use crate::penalty::{Ratio, StiffnessPenalty};
+use crate::spectrum::{Enclosure, Step, Uncertified};
+use crate::stability::{self, CriticalStep, Grid, MapPoint, model};
+
+/// The engine in records.
+pub(super) const ENGINE: &str = "convex";
+
+/// Of the lower bound that the predictor-corrector has.
+const BOUND: &str = "convex-bound";
+
+impl MeshModel {
+    pub(super) fn map(&self, grid: &Grid, asking: &Asking) -> Result<Vec<stability::Curve>, Refusal> {
+        let reference = self.reference()?;
+        let steps = match asking.limit.scheme() {
+            None => self.spectrum(grid, asking, reference)?,
+            Some(_) => self.predictor_corrector(grid, asking, reference)?,
+        };
+        let engine = if asking.limit.scheme().is_none() { ENGINE } else { BOUND };
+        let mut steps = steps.into_iter();
+        let mut curve = |ratio: &Ratio| {
+            let steps = steps.by_ref().take(grid.stiffness_penalties.len());
+            let point = |(beta_s, step): (&StiffnessPenalty, Result<Step, Uncertified>)| MapPoint {
+                stiffness_penalty: *beta_s,
+                step: step.map(|step| critical_step(reference, step)),
+                engine,
+            };
+            let points = grid.stiffness_penalties.iter().zip(steps).map(point).collect();
+            stability::Curve { ratio: *ratio, points }
+        };
+        Ok(grid.ratios.iter().map(&mut curve).collect())
+    }
+
+    fn spectrum(
+        &self,
+        grid: &Grid,
+        asking: &Asking,
+        reference: f64,
+    ) -> Result<Vec<Result<Step, Uncertified>>, Refusal> {
+        let asked: Vec<Asked> = pairs(grid).map(|(r, b)| Asked::of(b.get(), r.get(), reference)).collect();
+        self.with_curve(asking, |curve| {
+            let found = curve.enclose_to(&asked, asking.width(asked.len()));
+            Ok(found
+                .into_iter()
+                .map(|found| match found {
+                    Ok(enclosed) => Ok(Step::proven(enclosure(enclosed))),
+                    Err(wide) => Err(uncertified(wide.enclosed)),
+                })
+                .collect())
+        })
+    }
+
+    /// dt^2 = 1/(r omega^2) + 1/(beta_s l_max(P, M)), no more than the contact-free limit.
+    fn predictor_corrector(
+        &self,
+        grid: &Grid,
+        asking: &Asking,
+        reference: f64,
+    ) -> Result<Vec<Result<Step, Uncertified>>, Refusal> {
+        let width = asking.width(grid.len());
+        self.with_curve(asking, |curve| {
+            let free = match curve.enclose_to(&[Asked { stiffness: 0.0, mass: 0.0 }], width)[..] {
+                [Ok(free)] => free,
+                [Err(wide), ..] => return Ok(pairs(grid).map(|_| Err(uncertified(wide.enclosed))).collect()),
+                _ => return Ok(Vec::new()),
+            };
+            let step =
+                |(r, b): (Ratio, StiffnessPenalty)| Ok(bound(curve, free, reference, r.get(), b.get()));
+            Ok(pairs(grid).map(step).collect())
+        })
+    }
+}
+
+/// The points of a grid, ratio by ratio.
+fn pairs(grid: &Grid) -> impl Iterator<Item = (Ratio, StiffnessPenalty)> + '_ {
+    grid.ratios.iter().flat_map(|r| grid.stiffness_penalties.iter().map(move |b| (*r, *b)))
+}
+
+/// The step of the sufficient half, stable for any contacts; sharp where they are alike.
+fn bound(curve: &Curve, free: Enclosed, reference: f64, ratio: f64, beta_s: f64) -> Step {
+    let own = beta_s * curve.upper().slope();
+    if own == 0.0 {
+        return Step::proven(enclosure(free));
+    }
+    // Six roundings, of positive terms.
+    let contact = 4.0 / (1.0 / own + 1.0 / (ratio * reference)) * (1.0 + 4.0 * f64::EPSILON);
+    let Enclosed { lower, upper } = free;
+    Step::at_least(Enclosure { value: lower.max(contact), lower, upper: upper.max(contact) })
+}
+
+/// The lower bound is the value: a Ritz value, which errs by far less than the proof above it.
+fn enclosure(Enclosed { lower, upper }: Enclosed) -> Enclosure {
+    Enclosure { value: lower, lower, upper }
+}
+
+/// What is known all the same: the value is the proven lower bound, value (1 + width) the upper.
+fn uncertified(Enclosed { lower, upper }: Enclosed) -> Uncertified {
+    Uncertified { value: lower, width: if lower > 0.0 { upper / lower - 1.0 } else { f64::INFINITY } }
+}
+
+/// In units of the reference: C = omega_ref dt/2.
+fn critical_step(reference: f64, step: Step) -> CriticalStep {
+    model::critical_step(0.25 * reference, step)
+}

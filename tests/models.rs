@@ -1,0 +1,9 @@
+//! The one face of models of any kind: scenes told apart, refusals, and bars as the conformance test of the convex curve.
+
+// A helper that cannot go on fails its test.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+#[path = "models/bars.rs"]
+mod bars;
+#[path = "models/refusals.rs"]
+mod refusals;
