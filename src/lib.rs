@@ -104,6 +104,7 @@ pub mod impact;
 pub mod matrices;
 pub mod memory;
 pub mod mesh;
+pub mod parts;
 pub mod penalty;
 pub mod pencil;
 pub mod scene;

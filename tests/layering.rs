@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 15] = [
+const MAY_NAME: [(&str, &[&str]); 16] = [
     ("error", &[]),
     ("memory", &["error"]),
     ("scene", &["error"]),
@@ -18,6 +18,7 @@ const MAY_NAME: [(&str, &[&str]); 15] = [
     ("mesh", &["error", "memory", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),
     ("convex", &["error", "sparse", "pencil"]),
+    ("parts", &["error", "fem", "sparse", "pencil", "mesh", "convex"]),
     ("penalty", &["error", "pencil"]),
     ("spectrum", &["error", "sparse", "pencil"]),
     (

@@ -47,9 +47,14 @@ impl Operator {
         self.products.get()
     }
 
+    /// Counts a product.
+    pub(super) fn count(&self) {
+        self.products.set(self.products.get() + 1);
+    }
+
     /// y = (a K + t P) x.
     pub(super) fn multiply(&self, (a, t): (f64, f64), x: &[f64], y: &mut [f64]) {
-        self.products.set(self.products.get() + 1);
+        self.count();
         self.pencil.multiply(a, t, x, y);
     }
 

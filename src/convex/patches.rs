@@ -12,80 +12,12 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
+pub use super::elements::{ElementMatrices, Elements};
 use super::factor::{Factorisation, TooLarge, Verdict};
 use super::pencil::MeshPencil;
 use crate::error::Refusal;
-use crate::pencil::{Gap, Matrix};
-use crate::sparse::{Csr, SparseVector};
-
-/// Element matrices of one shape: many elements share them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ElementMatrices {
-    /// K_e by rows.
-    pub stiffness: Vec<f64>,
-    /// M_e by rows.
-    pub mass: Vec<f64>,
-}
-
-/// The elements of a mesh.
-#[derive(Debug, Clone, Default)]
-pub struct Elements {
-    /// Matrices that elements refer to.
-    pub shapes: Vec<ElementMatrices>,
-    /// For each element its shape and its unknowns; `None` is an unknown that is held.
-    pub elements: Vec<(usize, Vec<Option<u32>>)>,
-}
-
-impl Elements {
-    /// K and M of n unknowns, assembled; M is kept as a diagonal if every element has one.
-    pub fn assemble(&self, n: usize) -> (Matrix, Matrix) {
-        let all: Vec<usize> = (0..self.elements.len()).collect();
-        self.assemble_some(&all, n, |unknown| unknown)
-    }
-
-    fn assemble_some(&self, which: &[usize], n: usize, local: impl Fn(u32) -> u32) -> (Matrix, Matrix) {
-        let (mut k, mut m) = (Vec::new(), Vec::new());
-        for (shape, unknowns) in which.iter().map(|e| &self.elements[*e]) {
-            let (matrices, size) = (&self.shapes[*shape], unknowns.len());
-            for (i, row) in unknowns.iter().enumerate() {
-                for (j, column) in unknowns.iter().enumerate() {
-                    let (Some(row), Some(column)) = (row, column) else { continue };
-                    let (row, column) = (local(*row), local(*column));
-                    let at = i * size + j;
-                    k.push((row, column, matrices.stiffness[at]));
-                    if matrices.mass[at] != 0.0 {
-                        m.push((row, column, matrices.mass[at]));
-                    }
-                }
-            }
-        }
-        let mass = if m.iter().all(|(row, column, _)| row == column) {
-            let mut diagonal = vec![0.0; n];
-            m.iter().for_each(|(row, _, value)| diagonal[*row as usize] += value);
-            Matrix::Diagonal(diagonal)
-        } else {
-            Matrix::Sparse(Csr::from_triplets(n, n, &m))
-        };
-        (Matrix::Sparse(Csr::from_triplets(n, n, &k)), mass)
-    }
-
-    /// The largest row sums of |K_e| and |M_e| over diag(M), and the most elements at an unknown.
-    fn sizes(&self, diagonal: &[f64]) -> (f64, f64, usize) {
-        let n = diagonal.len();
-        let (mut k, mut m, mut count) = (vec![0.0; n], vec![0.0; n], vec![0_usize; n]);
-        for (shape, unknowns) in &self.elements {
-            let (matrices, size) = (&self.shapes[*shape], unknowns.len());
-            for (i, row) in unknowns.iter().enumerate() {
-                let Some(row) = row.map(|row| row as usize) else { continue };
-                k[row] += matrices.stiffness[i * size..(i + 1) * size].iter().map(|v| v.abs()).sum::<f64>();
-                m[row] += matrices.mass[i * size..(i + 1) * size].iter().map(|v| v.abs()).sum::<f64>();
-                count[row] += 1;
-            }
-        }
-        let most = |v: &[f64]| v.iter().zip(diagonal).map(|(v, d)| v / d).fold(0.0, f64::max);
-        (most(&k), most(&m), count.into_iter().max().unwrap_or(0))
-    }
-}
+use crate::pencil::Gap;
+use crate::sparse::SparseVector;
 
 /// A patch of each element by the box of a grid that its centre lies in; `size` are the edges of the boxes.
 pub fn boxes(centres: &[[f64; 3]], size: [f64; 3]) -> Vec<usize> {
@@ -102,12 +34,56 @@ pub fn boxes(centres: &[[f64; 3]], size: [f64; 3]) -> Vec<usize> {
         .collect()
 }
 
+/// One patch: the numbers of its elements, and the contacts that it carries, each with its share of the scale.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Group {
+    /// Elements.
+    pub elements: Vec<usize>,
+    /// Contacts.
+    pub contacts: Vec<Gap>,
+}
+
+/// The patches that `patch` numbers for each element of a mesh of n unknowns, with the contacts shared out among them.
+/// Patches that a contact joins, because none of them holds all its unknowns, become one.
+///
+/// # Errors
+/// An unknown without an element.
+pub fn groups(
+    contacts: &[Gap],
+    n: usize,
+    elements: &Elements,
+    patch: &[usize],
+) -> Result<Vec<Group>, Refusal> {
+    let mut holders = holders(elements, patch, n);
+    if let Some(i) = holders.iter().position(Vec::is_empty) {
+        return Err(Refusal::new(
+            "elements",
+            format!("none at unknown {}", i + 1),
+            "an element at every unknown",
+        ));
+    }
+    let joined = joined(contacts, &holders, patch.iter().max().map_or(0, |most| most + 1));
+    holders.iter_mut().for_each(|holders| {
+        holders.iter_mut().for_each(|p| *p = joined[*p]);
+        holders.sort_unstable();
+        holders.dedup();
+    });
+    let mut members: Vec<Vec<usize>> = vec![Vec::new(); joined.len()];
+    patch.iter().enumerate().for_each(|(e, p)| members[joined[*p]].push(e));
+    let mut carried: Vec<Vec<Gap>> = vec![Vec::new(); joined.len()];
+    for contact in contacts {
+        share_out(contact, elements, &members, &common(contact, &holders), &mut carried);
+    }
+    let group = |(elements, contacts)| Group { elements, contacts };
+    Ok(members.into_iter().zip(carried).map(group).filter(|g| !g.elements.is_empty()).collect())
+}
+
 /// Patches as pencils of their own; identical ones are kept once.
 #[derive(Debug)]
 pub struct Patches {
     distinct: Vec<(MeshPencil, Factorisation)>,
     total: usize,
-    /// Row sums of |K_e|, |M_e| and |P| over diag(M), and roundings, of the sum of all patches.
+    /// Row sums of |K_e|, |M_e| and |P|, as far as it is shared out, over diag(M), and roundings, of the sum of all patches.
     sizes: (f64, f64, f64, usize),
 }
 
@@ -123,29 +99,22 @@ impl Patches {
         patch: &[usize],
         memory: usize,
     ) -> Result<Self, Refusal> {
-        let mut holders = holders(elements, patch, pencil.size());
-        if let Some(i) = holders.iter().position(Vec::is_empty) {
-            return Err(Refusal::new(
-                "elements",
-                format!("none at unknown {}", i + 1),
-                "an element at every unknown",
-            ));
-        }
-        let joined = joined(pencil.contacts(), &holders, patch.iter().max().map_or(0, |most| most + 1));
-        holders.iter_mut().for_each(|holders| {
-            holders.iter_mut().for_each(|p| *p = joined[*p]);
-            holders.sort_unstable();
-            holders.dedup();
-        });
-        let mut members: Vec<Vec<usize>> = vec![Vec::new(); joined.len()];
-        patch.iter().enumerate().for_each(|(e, p)| members[joined[*p]].push(e));
-        let mut carried: Vec<Vec<Gap>> = vec![Vec::new(); joined.len()];
-        for contact in pencil.contacts() {
-            share_out(contact, elements, &members, &common(contact, &holders), &mut carried);
-        }
-        let groups: Vec<(Vec<usize>, Vec<Gap>)> =
-            members.into_iter().zip(carried).filter(|(m, _)| !m.is_empty()).collect();
-        let total = groups.len();
+        let groups = groups(pencil.contacts(), pencil.size(), elements, patch)?;
+        let mut patches = Self::of(pencil, elements, &groups, memory)?;
+        patches.sizes.2 = penalty_size(pencil);
+        Ok(patches)
+    }
+
+    /// The patches of a mesh whose contacts are those of the patches, term by term: nothing is shared out any more.
+    ///
+    /// # Errors
+    /// A patch that is too large to factorise in `memory` bytes.
+    pub fn of(
+        pencil: &MeshPencil,
+        elements: &Elements,
+        groups: &[Group],
+        memory: usize,
+    ) -> Result<Self, Refusal> {
         let mut seen = HashMap::new();
         groups.iter().enumerate().for_each(|(g, group)| {
             seen.entry(key(elements, group)).or_insert(g);
@@ -155,7 +124,7 @@ impl Patches {
         let distinct =
             kept.into_par_iter().map(|g| build(elements, &groups[g], memory)).collect::<Result<_, _>>()?;
         let (k, m, count) = elements.sizes(pencil.mass_diagonal());
-        Ok(Self { distinct, total, sizes: (k, m, penalty_size(pencil), count + 64) })
+        Ok(Self { distinct, total: groups.len(), sizes: (k, m, 0.0, count + 64) })
     }
 
     /// Number of patches, and of those among them that differ.
@@ -283,7 +252,8 @@ fn numbering(elements: &Elements, members: &[usize]) -> HashMap<u32, u32> {
 }
 
 /// What two patches have in common exactly when their pencils are identical.
-fn key(elements: &Elements, (members, carried): &(Vec<usize>, Vec<Gap>)) -> Vec<u64> {
+fn key(elements: &Elements, group: &Group) -> Vec<u64> {
+    let Group { elements: members, contacts: carried } = group;
     let local = numbering(elements, members);
     let mut key = Vec::new();
     for (shape, unknowns) in members.iter().map(|e| &elements.elements[*e]) {
@@ -305,7 +275,7 @@ fn key(elements: &Elements, (members, carried): &(Vec<usize>, Vec<Gap>)) -> Vec<
 
 fn build(
     elements: &Elements,
-    (members, carried): &(Vec<usize>, Vec<Gap>),
+    Group { elements: members, contacts: carried }: &Group,
     memory: usize,
 ) -> Result<(MeshPencil, Factorisation), Refusal> {
     let local = numbering(elements, members);

@@ -107,6 +107,13 @@ impl Elements {
             .collect()
     }
 
+    /// The first element of the same matrices as element `e`; itself where that is not known.
+    pub fn template(&self, e: usize) -> usize {
+        let body = self.body(e);
+        let first = self.first[body].1;
+        self.bodies[body].mesh.congruent.map_or(e, |period| first + (e - first) % period)
+    }
+
     /// The middle of the nodes of element `e`, m.
     pub fn centre(&self, e: usize) -> Coordinates {
         let body = self.body(e);
