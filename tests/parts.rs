@@ -111,11 +111,11 @@ fn together(verdicts: &[Verdict]) -> Verdict {
 /// Adds a vector of the whole mesh to all parts; the forms of all together.
 fn add(parts: &mut [Part], x: &[f64]) -> Option<Row> {
     let sum = Sum(Mutex::default(), Barrier::new(parts.len()), parts.len());
+    let run = |part: &mut Part| {
+        let local: Vec<f64> = part.unknowns().iter().map(|u| x[*u as usize]).collect();
+        part.add(&local, x.len(), &mut |values| sum.over_all(values))
+    };
     let rows: Vec<Option<Row>> = std::thread::scope(|scope| {
-        let run = |part: &mut Part| {
-            let local: Vec<f64> = part.unknowns().iter().map(|u| x[*u as usize]).collect();
-            part.add(&local, x.len(), &mut |values| sum.over_all(values))
-        };
         let threads: Vec<_> = parts.iter_mut().map(|part| scope.spawn(|| run(part))).collect();
         threads.into_iter().map(|thread| thread.join().unwrap()).collect()
     });
@@ -216,7 +216,10 @@ fn one_part_or_several_enclose_the_same_map() {
             let asked: Vec<Asked> = points().iter().map(|(b, r)| Asked::of(*b, *r, map.mesh)).collect();
             for ((found, exact), asked) in map.points.iter().zip(exact.enclose(&asked)).zip(&asked) {
                 let exact = exact.unwrap_or_else(|wide| wide.enclosed);
-                assert!(found.lower <= exact.upper && exact.lower <= found.upper, "{asked:?} {found:?} {exact:?}");
+                assert!(
+                    found.lower <= exact.upper && exact.lower <= found.upper,
+                    "{asked:?} {found:?} {exact:?}"
+                );
                 assert!(found.step_width() <= tolerance, "{asked:?}: {found:?}, {exact:?}");
                 let first = maps[0].points[asked_at(&points(), asked, map.mesh)];
                 assert!((found.lower / first.lower - 1.0).abs() < 2.0 * tolerance);

@@ -4,6 +4,7 @@
 //! Results are tuples and arrays here; the Python package gives them names, units and a `repr`.
 
 mod arrays;
+mod distributed;
 mod impact;
 mod map;
 mod model;
@@ -40,5 +41,9 @@ fn _bipenalty(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Uncertified", module.py().get_type::<Uncertified>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<model::Core>()?;
-    module.add_class::<map::Map>()
+    module.add_class::<map::Map>()?;
+    module.add_class::<distributed::Part>()?;
+    module.add_class::<distributed::Session>()?;
+    module.add_function(wrap_pyfunction!(distributed::split, module)?)?;
+    module.add_function(wrap_pyfunction!(distributed::axis, module)?)
 }
