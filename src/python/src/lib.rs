@@ -4,6 +4,7 @@
 //! Results are tuples and arrays here; the Python package gives them names, units and a `repr`.
 
 mod arrays;
+mod asked;
 mod impact;
 mod map;
 mod model;
