@@ -5,5 +5,9 @@
 
 #[path = "models/bars.rs"]
 mod bars;
+#[path = "models/largest.rs"]
+mod largest;
 #[path = "models/refusals.rs"]
 mod refusals;
+#[path = "models/scenes.rs"]
+mod scenes;

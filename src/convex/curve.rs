@@ -5,7 +5,7 @@ use super::lanczos::{Search, largest};
 use super::operator::Operator;
 use super::patches::Patches;
 use super::pencil::MeshPencil;
-use super::point::{Asked, Enclosed, TooWide};
+
 use super::start::{self, Start};
 use super::subspace::{Line, Subspace};
 use super::upper::{Point, Upper};
@@ -45,7 +45,7 @@ impl Prover {
         }
     }
 
-    fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64) -> Verdict {
+    pub(super) fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64) -> Verdict {
         match self {
             Self::Whole(factorisation) => factorisation.prove(u, a, t, margin),
             Self::Patches(patches) => patches.prove(u, a, t, margin),
@@ -91,16 +91,16 @@ pub struct Effort {
 /// f of one pencil, with all that is known about it so far.
 #[derive(Debug)]
 pub struct Curve {
-    operator: Operator,
-    prover: Prover,
-    options: Options,
-    subspace: Subspace,
-    lines: Vec<Line>,
-    upper: Upper,
-    effort: Effort,
+    pub(super) operator: Operator,
+    pub(super) prover: Prover,
+    pub(super) options: Options,
+    pub(super) subspace: Subspace,
+    pub(super) lines: Vec<Line>,
+    pub(super) upper: Upper,
+    pub(super) effort: Effort,
     /// f(0) from below, and the t at which contact and mesh weigh alike, f(0)/mu.
     mesh: f64,
-    unit: f64,
+    pub(super) unit: f64,
 }
 
 impl Curve {
@@ -193,12 +193,12 @@ impl Curve {
     }
 
     /// Relative width that an eigenvalue may have.
-    fn goal(&self) -> f64 {
+    pub(super) fn goal(&self) -> f64 {
         2.0 * self.options.tolerance
     }
 
     /// Adds the top vector at t to the subspace; the change of the lower bound there, relative.
-    fn sample(&mut self, t: f64, closed: bool) -> f64 {
+    pub(super) fn sample(&mut self, t: f64, closed: bool) -> f64 {
         let tolerance = 0.05 * self.goal();
         let before = (self.subspace.dimension() > 0).then(|| self.subspace.ritz(t));
         let start = before.as_ref().map(|y| self.subspace.vector(y));
@@ -241,7 +241,7 @@ impl Curve {
     /// Proves a point at t, close above the lower bound; whether it could.
     ///
     /// A proof far above says that a better vector was missed: it is looked for once more, from noise.
-    fn prove(&mut self, t: f64) -> bool {
+    pub(super) fn prove(&mut self, t: f64) -> bool {
         let mut proven = self.climb_at(t);
         let lower = self.lower_at(t);
         let far = proven.is_none_or(|u| u - lower > self.goal() * lower.abs());
@@ -266,157 +266,9 @@ impl Curve {
         self.climb(lower, (1.0, t), 0.25 * self.goal() * lower.abs().max(f64::MIN_POSITIVE))
     }
 
-    fn search(&self, closed: bool) -> Search {
+    pub(super) fn search(&self, closed: bool) -> Search {
         let tolerance = (0.05 * self.goal()).max(1e-12);
         Search { basis: self.options.basis, tolerance, most_products: self.options.most_products, closed }
-    }
-
-    /// Proves points for a t far below 0: there the rounding of t P, not f, limits a proof, and since f does not decrease
-    /// a point at a larger t serves as well. f(t) - f(-infinity) falls like 1/|t|, the rounding grows like |t|.
-    fn prove_far_below(&mut self, t: f64) -> bool {
-        let mut proven = false;
-        for power in 4..13 {
-            let at = -self.unit * 10_f64.powi(power);
-            if at > t {
-                proven |= self.prove(at);
-            }
-        }
-        self.prove(t) || proven
-    }
-
-    /// As [`Curve::enclose`] with a width of its own, which later questions keep.
-    ///
-    /// # Errors
-    /// As [`Curve::enclose`].
-    pub fn enclose_to(&mut self, asked: &[Asked], tolerance: f64) -> Vec<Result<Enclosed, TooWide>> {
-        self.options.tolerance = tolerance;
-        self.enclose(asked)
-    }
-
-    /// Encloses all points asked for, one result for each.
-    ///
-    /// # Errors
-    /// Of a point: its enclosure, which holds, is wider than the tolerance. Far below t = 0 the rounding of t P may be as
-    /// large as f itself; patches are too high by what they are too small.
-    pub fn enclose(&mut self, asked: &[Asked]) -> Vec<Result<Enclosed, TooWide>> {
-        let tolerance = self.options.tolerance;
-        self.narrow(asked).into_iter().map(|known| known.within(tolerance)).collect()
-    }
-
-    fn narrow(&mut self, asked: &[Asked]) -> Vec<Enclosed> {
-        let mut known = self.known(asked);
-        self.sample_for(asked, &known);
-        known = self.known(asked);
-        // Each round adds a point where the widest enclosure is; a round that changes nothing there ends it.
-        let mut hopeless = vec![false; asked.len()];
-        while let Some(worst) = self.worst(&known, &hopeless) {
-            let before = known[worst].step_width();
-            let t = self.polish(asked[worst]);
-            self.improve(asked[worst], t);
-            known[worst] = self.bounds(asked[worst]);
-            if known[worst].step_width() > 0.9 * before.min(1e300) {
-                hopeless[worst] = true;
-                // Patches are too high by a part that varies slowly: close by nothing else can be expected.
-                let patches = matches!(self.prover, Prover::Patches(_));
-                let place = |t: f64| (t / self.unit).asinh();
-                for i in 0..asked.len() {
-                    let other = asked[i].place(known[i].lower);
-                    hopeless[i] |= patches && (place(other) - place(t)).abs() < 0.05;
-                }
-            }
-            self.renew(asked, &mut known);
-        }
-        self.effort.products = self.operator.products();
-        known
-    }
-
-    /// Follows the lower bound of a point to the t of its solution with the vectors there are; that t.
-    fn polish(&mut self, asked: Asked) -> f64 {
-        let mut lower = self.bounds(asked).lower;
-        // Where m is large, t moves by powers of ten; each round takes one at least, and f64 has 308.
-        for _ in 0..308 {
-            self.lower_at(asked.place(lower));
-            let next = self.bounds(asked).lower;
-            let settled = next - lower <= 0.01 * self.goal() * next.abs();
-            lower = next;
-            if settled {
-                break;
-            }
-        }
-        asked.place(lower)
-    }
-
-    /// Samples and proves what is missing at t.
-    fn improve(&mut self, asked: Asked, t: f64) {
-        // Farther below, a search in a large basis would drown in the spectrum of -t P.
-        let few = self.operator.pencil().size() <= self.options.basis;
-        self.sample(if few { t } else { t.max(-1e4 * self.unit) }, false);
-        let t = self.polish(asked);
-        if self.bounds(asked).step_width() > self.options.tolerance {
-            if t < -1e4 * self.unit {
-                self.prove_far_below(t);
-            } else {
-                self.prove(t);
-            }
-        }
-    }
-
-    fn worst(&self, known: &[Enclosed], hopeless: &[bool]) -> Option<usize> {
-        let wide =
-            (0..known.len()).filter(|i| !hopeless[*i] && known[*i].step_width() > self.options.tolerance);
-        wide.max_by(|a, b| known[*a].step_width().total_cmp(&known[*b].step_width()))
-    }
-
-    fn renew(&self, asked: &[Asked], known: &mut [Enclosed]) {
-        for (known, asked) in known.iter_mut().zip(asked) {
-            if known.step_width() > self.options.tolerance {
-                *known = self.bounds(*asked);
-            }
-        }
-    }
-
-    fn known(&self, asked: &[Asked]) -> Vec<Enclosed> {
-        asked.iter().map(|asked| self.bounds(*asked)).collect()
-    }
-
-    /// What is known about a point, from all lines and all proven points.
-    fn bounds(&self, asked: Asked) -> Enclosed {
-        let Asked { stiffness: s, mass: m } = asked;
-        let lower = self.lines.iter().map(|line| line.with_mass(s, m)).fold(f64::NEG_INFINITY, f64::max);
-        Enclosed { lower, upper: self.upper.solve(s, m, lower) }
-    }
-
-    /// Samples f over the range of t that is asked for, halving intervals of asinh(t/unit) until a sample changes little.
-    fn sample_for(&mut self, asked: &[Asked], known: &[Enclosed]) {
-        let t = |i: usize| asked[i].place(known[i].lower);
-        let range = (0..asked.len())
-            .map(t)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
-        if range.0 < 0.0 {
-            self.sample(range.0, true);
-        }
-        // Beyond 1e4 units f is its asymptote to 1e-4 of 1e-4; and a Lanczos search drowns in the spectrum of -t P.
-        let most = 1e4 * self.unit;
-        let ends = [range.0.max(-most), range.1.min(most)].map(|t| (t / self.unit).asinh());
-        self.sample(ends[0].sinh() * self.unit, false);
-        self.sample(ends[1].sinh() * self.unit, false);
-        let mut open = vec![(ends[0], ends[1])];
-        while let Some((left, right)) = open.pop() {
-            let middle = 0.5 * (left + right);
-            let change = self.sample(middle.sinh() * self.unit, false);
-            self.lower_at(middle.sinh() * self.unit);
-            // Narrower than a fiftieth of an e-fold nothing bends.
-            if change > 0.05 * self.goal() && right - left > 0.04 {
-                open.extend([(left, middle), (middle, right)]);
-            }
-        }
-        let steps = 200;
-        for i in 0..=steps {
-            let share = f64::from(i) / f64::from(steps);
-            self.lower_at((ends[0] + share * (ends[1] - ends[0])).sinh() * self.unit);
-        }
-        self.lower_at(range.0);
-        self.lower_at(range.1);
     }
 
     /// f(0) from below.

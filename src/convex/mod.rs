@@ -57,7 +57,9 @@
 
 pub mod curve;
 pub mod factor;
+mod inverse;
 pub mod lanczos;
+mod narrow;
 pub mod operator;
 pub mod patches;
 pub mod pencil;
@@ -68,6 +70,7 @@ pub mod upper;
 mod vectors;
 
 pub use curve::{Curve, Effort, Options, Prover};
+pub use inverse::Passing;
 pub use patches::{Elements, Patches};
 pub use pencil::MeshPencil;
 pub use point::{Asked, Enclosed, TooWide};

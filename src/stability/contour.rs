@@ -22,15 +22,12 @@ pub fn contour(
 ) -> Result<Vec<(f64, f64)>, Refusal> {
     let engine = ClosedForm::new(model.scene(), model.mass());
     let l = 4.0 * model.reference_rate() / (critical_courant * critical_courant);
-    let mut points = match (engine.gap_stiffness(l), model.form(), model.scales()) {
+    match (engine.gap_stiffness(l), model.form(), model.scales()) {
         (Some(t), PenaltyMass::Consistent, [scale]) => {
-            explicit(t / scale.stiffness, l / model.reference_eigenvalue(), beta_s, ratio)
+            Ok(explicit(t / scale.stiffness, l / model.reference_eigenvalue(), beta_s, ratio))
         }
-        _ => by_bisection(model, &engine, l, beta_s, ratio)?,
-    };
-    points.retain(|(b, r)| (beta_s.0..=beta_s.1).contains(b) && (ratio.0..=ratio.1).contains(r));
-    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
-    Ok(points)
+        _ => Ok(within(by_bisection(model, &engine, l, beta_s, ratio)?, beta_s, ratio)),
+    }
 }
 
 /// As [`contour`] for the limit of a scheme: explicit too, since 1/(beta_s k_e) + mu/(r omega_e^2) is one number along a
@@ -44,12 +41,19 @@ pub fn scheme_contour(
 ) -> Vec<(f64, f64)> {
     let l = 4.0 * model.reference_rate() / (critical_courant * critical_courant);
     let (Some((w, mu)), [scale]) = (limit.line(l), model.scales()) else { return Vec::new() };
-    let (b, r) = (1.0 / (w * scale.stiffness), mu / (w * model.reference_eigenvalue()));
-    // b/beta_s + r/ratio = 1.
+    on_line((1.0 / (w * scale.stiffness), mu / (w * model.reference_eigenvalue())), beta_s, ratio)
+}
+
+/// The points of b/beta_s + r/ratio = 1 in a rectangle, ordered by beta_s.
+pub(super) fn on_line((b, r): (f64, f64), beta_s: (f64, f64), ratio: (f64, f64)) -> Vec<(f64, f64)> {
     let over_beta = samples(beta_s).map(|beta_s| (beta_s, r / (1.0 - b / beta_s)));
     let over_ratio = samples(ratio).map(|ratio| (b / (1.0 - r / ratio), ratio));
-    let within = |(x, y): &(f64, f64)| (beta_s.0..=beta_s.1).contains(x) && (ratio.0..=ratio.1).contains(y);
-    let mut points: Vec<(f64, f64)> = over_beta.chain(over_ratio).filter(within).collect();
+    within(over_beta.chain(over_ratio).collect(), beta_s, ratio)
+}
+
+/// The points in the rectangle, ordered by beta_s.
+fn within(mut points: Vec<(f64, f64)>, beta_s: (f64, f64), ratio: (f64, f64)) -> Vec<(f64, f64)> {
+    points.retain(|(b, r)| (beta_s.0..=beta_s.1).contains(b) && (ratio.0..=ratio.1).contains(r));
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
     points
 }
@@ -62,11 +66,12 @@ fn samples((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
     (0..SAMPLES).map(move |i| (low * (step * i as f64).exp()).min(high))
 }
 
-/// b (1 - x/r) = t solved for r at given b and for b at given r.
-fn explicit(t: f64, x: f64, beta_s: (f64, f64), ratio: (f64, f64)) -> Vec<(f64, f64)> {
+/// b (1 - x/r) = t solved for r at given b and for b at given r, in the rectangle.
+pub(super) fn explicit(t: f64, x: f64, beta_s: (f64, f64), ratio: (f64, f64)) -> Vec<(f64, f64)> {
     let over_beta = samples(beta_s).map(|b| (b, x / (1.0 - t / b)));
     let over_ratio = samples(ratio).map(|r| (t / (1.0 - x / r), r));
-    over_beta.chain(over_ratio).filter(|(b, r)| *b > 0.0 && *r > 0.0).collect()
+    let positive = |(b, r): &(f64, f64)| *b > 0.0 && *r > 0.0;
+    within(over_beta.chain(over_ratio).filter(positive).collect(), beta_s, ratio)
 }
 
 fn by_bisection(

@@ -28,10 +28,13 @@
 
 mod asking;
 mod curve;
+mod largest;
 mod mesh;
+mod optimal;
 mod scene;
 
 pub use asking::{Asking, LimitOf, Plan, Prover};
+pub use largest::Largest;
 pub use mesh::MeshModel;
 pub use scene::AnyScene;
 

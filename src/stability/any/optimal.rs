@@ -1,0 +1,150 @@
+//! The largest ratio that costs no step against the contact-free model, and lines of one step in the plane (beta_s, r).
+
+use super::asking::Asking;
+use super::mesh::MeshModel;
+use super::{AnyModel, with_limit};
+use crate::convex::{Asked, Enclosed};
+use crate::error::{Error, Refusal, Result};
+use crate::penalty::StiffnessPenalty;
+use crate::spectrum::Uncertified;
+use crate::stability::contour::{explicit, on_line};
+use crate::stability::{
+    Expectation, OptimalRatio, contour, optimal_ratio, optimal_scheme_ratio, scheme_contour,
+};
+
+impl AnyModel {
+    /// Encloses the largest ratio that costs no step at `beta_s`; `None` if none costs any. For the spectrum it is
+    /// r* = l_max(K, M)/omega_ref^2 where the top mode moves a gap, and larger where it does not; for the
+    /// predictor-corrector the ratio up to which the proven step is the contact-free one.
+    ///
+    /// # Errors
+    /// As [`AnyModel::map`]; a limit that could not be enclosed.
+    pub fn optimal_ratio(&self, beta_s: f64, asking: &Asking) -> Result<Option<OptimalRatio>> {
+        self.check(asking)?;
+        let beta_s = StiffnessPenalty::new(beta_s)?;
+        match self {
+            Self::Mesh(model) => model.optimal_ratio(beta_s, asking),
+            Self::Bars(model) => with_limit(model, asking, |limit| {
+                Ok(match asking.limit.scheme() {
+                    None => Expectation::of(model, limit)
+                        .and_then(|expectation| optimal_ratio(model, limit, &expectation, beta_s)),
+                    Some(_) => optimal_scheme_ratio(model, limit, beta_s),
+                })
+            })?
+            .map_err(Error::from),
+        }
+    }
+
+    /// What the theory expects of [`AnyModel::optimal_ratio`]; `None` where no ratio costs any, or none is known.
+    ///
+    /// # Errors
+    /// As [`AnyModel::optimal_ratio`].
+    pub fn expected_ratio(&self, beta_s: f64, asking: &Asking) -> Result<Option<f64>> {
+        self.check(asking)?;
+        match self {
+            Self::Mesh(model) => model.expected_ratio(beta_s, asking),
+            Self::Bars(model) => with_limit(model, asking, |limit| {
+                Ok(match asking.limit.scheme() {
+                    None => Expectation::of(model, limit).map(|expectation| Some(expectation.ratio())),
+                    Some(_) => Ok(limit.expected_ratio(beta_s)),
+                })
+            })?
+            .map_err(Error::from),
+        }
+    }
+
+    /// The points (beta_s, r) of a rectangle whose limit is `critical_courant`, ordered by beta_s; empty where there is none.
+    ///
+    /// # Errors
+    /// As [`AnyModel::map`].
+    pub fn contour(
+        &self,
+        critical_courant: f64,
+        beta_s: (f64, f64),
+        ratio: (f64, f64),
+        asking: &Asking,
+    ) -> Result<Vec<(f64, f64)>, Refusal> {
+        self.check(asking)?;
+        match self {
+            Self::Mesh(model) => model.contour(critical_courant, beta_s, ratio, asking),
+            Self::Bars(model) if asking.limit.scheme().is_none() => {
+                contour(model, critical_courant, beta_s, ratio)
+            }
+            Self::Bars(model) => with_limit(model, asking, |limit| {
+                Ok(scheme_contour(model, limit, critical_courant, beta_s, ratio))
+            }),
+        }
+    }
+}
+
+impl MeshModel {
+    /// The contact-free l_max, as closely as asked for one point.
+    fn free(&self, asking: &Asking) -> Result<Enclosed> {
+        let found = self.with_curve(asking, |curve| {
+            Ok(curve.enclose_to(&[Asked { stiffness: 0.0, mass: 0.0 }], asking.width(1)))
+        })?;
+        match found.into_iter().next() {
+            Some(found) => Ok(found?),
+            None => Err(Uncertified { value: f64::NAN, width: f64::INFINITY }.into()),
+        }
+    }
+
+    fn optimal_ratio(&self, beta_s: StiffnessPenalty, asking: &Asking) -> Result<Option<OptimalRatio>> {
+        let (free, reference, b) = (self.free(asking)?, self.reference()?, beta_s.get());
+        let ratio = |value: f64, lower: f64, upper: f64| {
+            Some(OptimalRatio { stiffness_penalty: beta_s, value, lower, upper })
+        };
+        if b == 0.0 || self.pencil().contacts().is_empty() {
+            return Ok(None);
+        }
+        let down = 1.0 - 8.0 * f64::EPSILON;
+        if asking.limit.scheme().is_some() {
+            let mu = self.with_curve(asking, |curve| Ok(curve.upper().slope()))?;
+            let left = 4.0 / free.lower - 1.0 / (b * mu);
+            let lower = 1.0 / (reference * left) * down;
+            return Ok(if left > 0.0 { ratio(lower, lower, f64::INFINITY) } else { None });
+        }
+        // Up to here the mediant inequality proves that nothing is lost.
+        let lower = free.lower / reference * down;
+        // f > u beyond t: with l = u the step is lost as soon as beta_s (1 - u/(r omega^2)) > t.
+        let u = free.upper;
+        let t = self.with_curve(asking, |curve| Ok(curve.passing(u, asking.width(1)).upper))?;
+        if t >= b {
+            return Ok(None);
+        }
+        let upper = u / reference / (1.0 - t.max(0.0) / b) / down;
+        Ok(ratio(upper, lower, upper))
+    }
+
+    fn expected_ratio(&self, beta_s: f64, asking: &Asking) -> Result<Option<f64>> {
+        let (free, reference) = (self.free(asking)?, self.reference()?);
+        if asking.limit.scheme().is_none() {
+            return Ok(Some(free.lower / reference));
+        }
+        let mu = self.with_curve(asking, |curve| Ok(curve.upper().slope()))?;
+        let left = 4.0 / free.lower - 1.0 / (beta_s * mu);
+        Ok((left > 0.0).then(|| 1.0 / (reference * left)))
+    }
+
+    /// beta_s (1 - l/(r omega^2)) = f^-1(l); of the predictor-corrector 1/(beta_s mu) + 1/(r omega^2) = dt^2.
+    fn contour(
+        &self,
+        critical_courant: f64,
+        beta_s: (f64, f64),
+        ratio: (f64, f64),
+        asking: &Asking,
+    ) -> Result<Vec<(f64, f64)>, Refusal> {
+        let reference = self.reference()?;
+        let x = 1.0 / (critical_courant * critical_courant);
+        let l = reference * x;
+        self.with_curve(asking, |curve| {
+            if asking.limit.scheme().is_some() {
+                let (mu, free) = (curve.upper().slope(), curve.mesh());
+                let line = (l / (4.0 * mu), 0.25 * x);
+                return Ok(if l >= free { on_line(line, beta_s, ratio) } else { Vec::new() });
+            }
+            let t = curve.passing(l, asking.width(1)).upper;
+            Ok(if t.is_finite() { explicit(t, x, beta_s, ratio) } else { Vec::new() })
+        })
+    }
+}
