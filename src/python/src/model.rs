@@ -238,6 +238,33 @@ impl Core {
         Ok(found.map(|found| [found.value, found.lower, found.upper]))
     }
 
+    /// The largest beta_s that `time_step`, s, stands with a ratio: (value, lower, upper); None where it is beyond the
+    /// contact-free limit.
+    fn largest_penalty(
+        &self,
+        py: Python<'_>,
+        time_step: f64,
+        ratio: f64,
+        asked: Asked,
+    ) -> PyResult<Option<[f64; 3]>> {
+        let (asking, model) = (asked.asking()?, self.model()?);
+        let find = move |_: &Watch| model.largest_penalty(time_step, ratio, &asking);
+        Ok(long(py, 1, None, find)?.map_err(failed)?.map(|found| [found.value, found.lower, found.upper]))
+    }
+
+    /// The largest ratio that `time_step`, s, stands with a beta_s, as [`Core::largest_penalty`].
+    fn largest_ratio(
+        &self,
+        py: Python<'_>,
+        time_step: f64,
+        beta_s: f64,
+        asked: Asked,
+    ) -> PyResult<Option<[f64; 3]>> {
+        let (asking, model) = (asked.asking()?, self.model()?);
+        let find = move |_: &Watch| model.largest_ratio(time_step, beta_s, &asking);
+        Ok(long(py, 1, None, find)?.map_err(failed)?.map(|found| [found.value, found.lower, found.upper]))
+    }
+
     /// (predicted, stable_at, unstable_at) s, steps, growth, agrees.
     #[pyo3(signature = (beta_s, ratio, scheme, theta, tolerance))]
     fn verify(
