@@ -7,20 +7,19 @@ import html
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Iterator
 
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
     from ._bipenalty import Map
     from ._model import Model
-
-Floats = "NDArray[np.float64]"
 
 
 def _digits(value: float) -> str:
@@ -133,6 +132,33 @@ class OptimalRatio:
         )
 
 
+class Largest(float):
+    """The largest penalty or ratio that a time step stands: a number, with its enclosure."""
+
+    __slots__ = ("lower", "upper")
+
+    lower: float
+    """The step is proven to be within the limit up to here."""
+    upper: float
+    """The step is proven to be beyond the limit from here on; infinite where that is not known."""
+
+    def __new__(cls, value: float, lower: float, upper: float) -> Largest:
+        """Make the number."""
+        largest = super().__new__(cls, value)
+        largest.lower, largest.upper = lower, upper
+        return largest
+
+    def __reduce__(self) -> tuple[type[Largest], tuple[float, float, float]]:
+        """Say what to copy and pickle."""
+        return Largest, (float(self), self.lower, self.upper)
+
+    def __repr__(self) -> str:
+        """Answer in a sentence."""
+        if self.lower == np.inf:
+            return "inf (any will do)"
+        return f"{_digits(self)} (proven: enough up to {_digits(self.lower)}, too much from {_digits(self.upper)})"
+
+
 @dataclass(frozen=True)
 class SteppedLimit:
     """A limit that was found by stepping in time alone, beside the predicted one."""
@@ -158,7 +184,11 @@ class SteppedLimit:
 
     def __repr__(self) -> str:
         """Answer in a sentence."""
-        said = {True: "as predicted", False: "NOT as predicted", None: "growth too slow to judge the prediction"}
+        said = {
+            True: "as predicted",
+            False: "NOT as predicted",
+            None: "growth too slow to judge the prediction",
+        }
         return (
             f"{self.scheme}: stable at dt = {_digits(self.stable_at)} s, unstable at {_digits(self.unstable_at)} s, "
             f"{said[self.agrees]} ({_digits(self.predicted)} s), for {_penalty(self.beta_s, self.ratio)}"
@@ -231,7 +261,8 @@ class StabilityMap:
         found = f"dt_cr from {_digits(known.min())} to {_digits(known.max())} s" if known.size else "nothing certified"
         missing = self.certified.size - known.size
         gaps = f", {missing} not certified" if missing and known.size else ""
-        return f"{self.model.name}: {found} at {len(self.ratio)} ratios x {len(self.beta_s)} beta_s{gaps} ({_whose(self.limit)})"
+        points = f"{len(self.ratio)} ratios x {len(self.beta_s)} beta_s"
+        return f"{self.model.name}: {found} at {points}{gaps} ({_whose(self.limit)})"
 
     def _repr_html_(self) -> str:
         def ends(row: NDArray[np.float64]) -> str:
@@ -245,8 +276,8 @@ class StabilityMap:
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw C_r: curves over beta_s for up to 12 ratios, colours with contour lines for more.
 
-        Needs matplotlib. Contour lines are exact where the library has them in closed form or by bisection, and
-        interpolated otherwise.
+        Needs matplotlib. Contour lines are exact where the library has them in closed form or by bisection,
+        and interpolated otherwise.
         """
         from . import _plot
 
@@ -259,7 +290,7 @@ class StabilityMap:
             writer.writerow(_COLUMNS)
             writer.writerows(self._rows())
 
-    def _rows(self) -> Any:
+    def _rows(self) -> Iterator[tuple[object, ...]]:
         model, spectrum = self.model, self.limit == "spectrum"
         head = (model.name, model.mass, model.gamma, model.elements, self.limit)
         quantities = [self.omega_max, self.courant, self.courant_lower, self.courant_upper]
@@ -352,7 +383,8 @@ class Impact:
         else:
             ending = f"{self.steps} steps, ends with {self.energy_ratio:.4g} times its energy"
             ending += " (MORE THAN IT WAS GIVEN)" if self.more_energy else ""
-        return f"{self.scheme}: {ending}, {self.switches} switches, dt = {_digits(self.time_step)} s, {_penalty(self.beta_s, self.ratio)}"
+        step = f"dt = {_digits(self.time_step)} s, {_penalty(self.beta_s, self.ratio)}"
+        return f"{self.scheme}: {ending}, {self.switches} switches, {step}"
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the contact forces over time, beside the exact one where there is one. Needs matplotlib."""

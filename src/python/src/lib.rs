@@ -5,6 +5,7 @@
 
 mod arrays;
 mod distributed;
+mod asked;
 mod impact;
 mod map;
 mod model;
@@ -26,9 +27,14 @@ fn refused(refusal: Refusal) -> PyErr {
     PyValueError::new_err(refusal.to_string())
 }
 
-/// As [`refused`], for a scene that cannot be read too.
+/// As [`refused`], for a scene that cannot be read and a limit that could not be enclosed too.
 fn failed(error: Error) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    match error {
+        Error::Uncertified { message, .. } => Uncertified::new_err(message),
+        Error::Refused(_) | Error::SceneFile { .. } | Error::File { .. } => {
+            PyValueError::new_err(error.to_string())
+        }
+    }
 }
 
 /// A limit that could not be enclosed closely enough.

@@ -1,31 +1,33 @@
 //! A map as it was found; its arrays are made when they are asked for.
 
-use bipenalty::spectrum::Uncertified;
-use bipenalty::stability::{CriticalStep, Curve, Model};
-use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
-use pyo3::exceptions::PyValueError;
+use std::sync::Arc;
+
+use bipenalty::error::Refusal;
+use bipenalty::stability::{AnyModel, CriticalStep, Curve, MapPoint};
+use numpy::{IntoPyArray as _, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
 
 use crate::model::{evidence, seconds};
+use crate::refused;
 
 /// A map of len(ratio) x len(beta_s) points.
 #[pyclass(frozen, module = "bipenalty._bipenalty")]
 pub struct Map {
-    model: Model,
+    model: Arc<AnyModel>,
     curves: Vec<Curve>,
-    shape: (usize, usize),
+    shape: [usize; 2],
 }
 
 impl Map {
     /// Bytes of a point: as found (88), and the arrays that may be asked for (7 of 8).
     pub const BYTES_PER_POINT: u64 = 88 + 7 * 8;
 
-    pub fn new(model: Model, curves: Vec<Curve>, shape: (usize, usize)) -> Self {
+    pub fn new(model: Arc<AnyModel>, curves: Vec<Curve>, shape: [usize; 2]) -> Self {
         Self { model, curves, shape }
     }
 
-    fn steps(&self) -> impl Iterator<Item = (&Result<CriticalStep, Uncertified>, &'static str)> {
-        self.curves.iter().flat_map(|curve| curve.points.iter().map(|point| (&point.step, point.engine)))
+    fn points(&self) -> impl Iterator<Item = &MapPoint> {
+        self.curves.iter().flat_map(|curve| &curve.points)
     }
 }
 
@@ -33,31 +35,31 @@ impl Map {
 impl Map {
     /// The array of one quantity, NaN where nothing could be certified.
     fn array<'py>(&self, py: Python<'py>, quantity: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let model = &self.model;
-        let of: &(dyn Fn(&CriticalStep) -> f64 + Sync) = match quantity {
-            "critical_step" => &|step| seconds(model, step)[0],
-            "lower" => &|step| seconds(model, step)[1],
-            "upper" => &|step| seconds(model, step)[2],
-            "courant" => &|step| step.critical_courant,
-            "courant_lower" => &|step| step.lower,
-            "courant_upper" => &|step| step.upper,
-            "omega_max" => &|step| step.omega_max,
-            other => return Err(PyValueError::new_err(format!("no quantity {other:?}"))),
+        let of_step = |of: fn(&CriticalStep) -> f64| {
+            Ok(self.points().map(|point| point.step.as_ref().map_or(f64::NAN, of)).collect())
         };
-        let values: Vec<f64> = py.detach(|| {
-            let points = self.curves.iter().flat_map(|curve| &curve.points);
-            points.map(|point| point.step.as_ref().map_or(f64::NAN, of)).collect()
+        let of_seconds =
+            |at: usize| self.points().map(|point| Ok(seconds(&self.model, point)?[at])).collect();
+        let found: Result<Vec<f64>, Refusal> = py.detach(|| match quantity {
+            "critical_step" => of_seconds(0),
+            "lower" => of_seconds(1),
+            "upper" => of_seconds(2),
+            "courant" => of_step(|step| step.critical_courant),
+            "courant_lower" => of_step(|step| step.lower),
+            "courant_upper" => of_step(|step| step.upper),
+            "omega_max" => of_step(|step| step.omega_max),
+            other => Err(Refusal::new("quantity", other, "one of a map")),
         });
-        values.into_pyarray(py).reshape([self.shape.0, self.shape.1])
+        found.map_err(refused)?.into_pyarray(py).reshape(self.shape)
     }
 
     /// The engine of every point, ratio by ratio.
     fn engines(&self) -> Vec<&'static str> {
-        self.steps().map(|(_, engine)| engine).collect()
+        self.points().map(|point| point.engine).collect()
     }
 
     /// What stands behind every point, ratio by ratio; "" where nothing could be certified.
-    fn evidence(&self) -> Vec<&'static str> {
-        self.steps().map(|(step, _)| step.as_ref().map_or("", evidence)).collect()
+    fn evidence(&self) -> Vec<String> {
+        self.points().map(|point| point.step.as_ref().map_or_else(|_| String::new(), evidence)).collect()
     }
 }

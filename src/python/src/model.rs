@@ -1,261 +1,272 @@
-//! A model, and what is asked of it at one point.
+//! A model, and what is asked of it.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
+use bipenalty::error::Refusal;
 use bipenalty::fem::MassMatrix;
 use bipenalty::impact::Run;
+use bipenalty::matrices::{Matrices, Reference};
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
-use bipenalty::pencil::Pencil;
-use bipenalty::scene::{MAX_ELEMENTS, load};
-use bipenalty::schemes::SchemeName;
-use bipenalty::spectrum::{Engine as _, Evidence, Spectrum, Step, StepLimit, Uncertified};
+use bipenalty::pencil::Matrix;
+use bipenalty::schemes::{Scheme, SchemeName};
+use bipenalty::spectrum::{Engine as _, Evidence, Step};
 use bipenalty::stability::{
-    Auto, CriticalStep, EngineName, Expectation, Grid, Model, check_has_contact, optimal_ratio,
-    optimal_scheme_ratio,
+    AnyModel, AnyScene, Asking, Auto, Axis, CriticalStep, EngineName, Grid, MapPoint, MeshModel, Model,
 };
 use bipenalty::verify::{Point, Predictor, confirm};
-use numpy::{PyReadonlyArray1, ToPyArray};
-use pyo3::exceptions::PyValueError;
+use numpy::{IntoPyArray as _, PyArray2, PyArrayMethods as _, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::arrays::{MassOrRows, Parts, Rows, fingerprint, parts};
+use crate::asked::Asked;
 use crate::map::Map;
 use crate::work::{Watch, long};
 use crate::{failed, impact, refused, uncertified};
 
-/// Points of a model with no more elements are found where they are asked: even by bisection they take less than the
-/// time between two looks for Ctrl-C.
+/// Points of bars with no more elements are found where they are asked: even by bisection they take less than the time
+/// between two looks for Ctrl-C.
 const QUICK: usize = 50_000;
 
 /// A model as the Python package holds it.
 #[pyclass(frozen, module = "bipenalty._bipenalty")]
-pub struct Core(Arc<Inner>);
-
-struct Inner {
-    model: Model,
-    auto: Auto,
-    pencil: OnceLock<Pencil>,
-}
-
-/// Whose limit, and what finds it.
-#[derive(Clone, Copy)]
-pub struct Asked {
-    pub name: &'static str,
-    scheme: Option<SchemeName>,
-    theta: f64,
-    engine: EngineName,
-}
-
-impl Asked {
-    fn new(limit: &str, theta: Option<f64>, engine: &str) -> PyResult<Self> {
-        let place = |word: &str| {
-            let names = SchemeName::ALL.map(SchemeName::name).join(", ");
-            refused(bipenalty::error::Refusal::new(
-                "limit",
-                format!("{word:?}"),
-                format!("spectrum, {names}"),
-            ))
-        };
-        let scheme = match limit {
-            "spectrum" => None,
-            name => Some(name.parse::<SchemeName>().map_err(|_| place(name))?),
-        };
-        let name = scheme.map_or("spectrum", SchemeName::name);
-        // Central differences have the limit of the spectrum.
-        let scheme = scheme.filter(|scheme| *scheme != SchemeName::CentralDifference);
-        if let Some(theta) = theta.filter(|_| scheme != Some(SchemeName::Park)) {
-            let allowed = format!("none with the limit {name}, or limit = \"park\"");
-            return Err(refused(bipenalty::error::Refusal::new("theta", theta, allowed)));
-        }
-        let engine = engine.parse().map_err(refused)?;
-        Ok(Self { name, scheme, theta: theta.unwrap_or(0.5), engine })
-    }
-
-    fn is_quick(self, model: &Model) -> bool {
-        self.scheme.is_none() && self.engine == EngineName::Auto && model.scene().elements() <= QUICK
-    }
-}
-
-impl Inner {
-    fn pencil(&self) -> &Pencil {
-        self.pencil.get_or_init(|| self.model.pencil())
-    }
-
-    /// Refuses what the model has no such limit or engine for.
-    fn check(&self, asked: Asked) -> PyResult<()> {
-        match asked.scheme {
-            None => self.model.check_engine(asked.engine).map_err(refused),
-            Some(_) if asked.engine != EngineName::Auto => {
-                let allowed = format!("auto with the limit {}", asked.name);
-                Err(refused(bipenalty::error::Refusal::new("engine", asked.engine.text(), allowed)))
-            }
-            Some(_) => self.model.check_pencil().map_err(refused),
-        }
-    }
-
-    /// Hands on the limit that is asked for.
-    fn with_limit<R>(&self, asked: Asked, use_it: impl FnOnce(&dyn StepLimit) -> R) -> PyResult<R> {
-        let find = || match (asked.scheme, asked.engine) {
-            (Some(scheme), _) => self.model.limit(&*scheme.with_theta(asked.theta)?, self.pencil()),
-            (None, EngineName::Auto) => Ok(Box::new(Spectrum(Box::new(self.model.auto()))) as _),
-            (None, EngineName::ClosedForm) => Ok(Box::new(Spectrum(Box::new(self.model.closed_form()))) as _),
-            (None, engine) => Ok(Box::new(Spectrum(self.model.engine(engine, self.pencil())?)) as _),
-        };
-        find().map(|limit: Box<dyn StepLimit + '_>| use_it(&*limit)).map_err(refused)
-    }
+pub struct Core {
+    model: Arc<AnyModel>,
+    /// The engine `auto` of bars.
+    auto: Option<Auto>,
+    /// Of matrices that are shared with arrays.
+    fingerprint: Option<u64>,
 }
 
 /// A step and its enclosure, s; the same as Courant numbers; omega_max, rad/s; evidence; engine.
-type StepTuple = ([f64; 3], [f64; 3], f64, &'static str, &'static str);
+type StepTuple = ([f64; 3], [f64; 3], f64, String, &'static str);
 
-/// Seconds of a Courant number and its bounds, rounded outwards.
-pub fn seconds(model: &Model, step: &CriticalStep) -> [f64; 3] {
-    // A root and a quotient more than in C_r.
-    let margin = 2.0 * f64::EPSILON;
-    [
-        model.time_step(step.critical_courant),
-        model.time_step(step.lower) * (1.0 - margin),
-        model.time_step(step.upper) * (1.0 + margin),
-    ]
+impl Core {
+    fn new(model: AnyModel) -> Self {
+        let auto = match &model {
+            AnyModel::Bars(model) => Some(model.auto()),
+            AnyModel::Mesh(_) => None,
+        };
+        Self { model: Arc::new(model), auto, fingerprint: None }
+    }
+
+    /// The model, whose shared arrays are what they were.
+    fn model(&self) -> PyResult<Arc<AnyModel>> {
+        if let (Some(seen), AnyModel::Mesh(model)) = (self.fingerprint, &*self.model)
+            && fingerprint(&[model.pencil().stiffness(), model.pencil().mass()]) != seen
+        {
+            let allowed = "entries as they were when the model was made: make a new model, or give it a copy";
+            return Err(refused(Refusal::new("stiffness, mass", "an array that was changed", allowed)));
+        }
+        Ok(Arc::clone(&self.model))
+    }
+
+    /// The model of bars.
+    fn bars(&self, what: &str) -> PyResult<&Model> {
+        match &*self.model {
+            AnyModel::Bars(model) => Ok(model),
+            AnyModel::Mesh(model) => {
+                Err(refused(Refusal::new(what, format!("scene {}", model.name()), "a scene of [[bar]]")))
+            }
+        }
+    }
+
+    /// The point of bars that costs a microsecond.
+    fn quick(&self, beta_s: f64, ratio: f64, asking: &Asking) -> PyResult<Option<MapPoint>> {
+        let (AnyModel::Bars(model), Some(auto)) = (&*self.model, &self.auto) else { return Ok(None) };
+        let usual = asking.limit.scheme().is_none() && asking.engine == EngineName::Auto;
+        if !usual || model.scene().elements() > QUICK {
+            return Ok(None);
+        }
+        let stiffness_penalty = StiffnessPenalty::new(beta_s).map_err(refused)?;
+        let ratio = Ratio::new(ratio).map_err(refused)?;
+        self.model.check(asking).map_err(refused)?;
+        model.check(stiffness_penalty, ratio).map_err(refused)?;
+        let (found, engine) = auto.enclose_by(&model.penalty(stiffness_penalty, ratio), None);
+        let step = found.map(|l| model.critical_step_of(Step::proven(l)));
+        Ok(Some(MapPoint { stiffness_penalty, step, engine }))
+    }
 }
 
-pub fn evidence(step: &CriticalStep) -> &'static str {
+/// What stands behind a step, in a word.
+pub fn evidence(step: &CriticalStep) -> String {
     match step.evidence {
-        Evidence::LowerBound => "lower bound",
-        Evidence::Proven | Evidence::Probability(_) => "proven",
+        Evidence::Proven => "proven".to_owned(),
+        Evidence::LowerBound => "lower bound".to_owned(),
+        Evidence::Probability(probability) => format!("{probability:e}"),
+    }
+}
+
+/// dt of a point and its bounds, s, rounded outwards; NaN where nothing is certified.
+///
+/// # Errors
+/// As [`AnyModel::time_step`].
+pub fn seconds(model: &AnyModel, point: &MapPoint) -> Result<[f64; 3], Refusal> {
+    let Ok(step) = point.step else { return Ok([f64::NAN; 3]) };
+    let of = |courant: f64| model.time_step(courant);
+    // A root and a quotient more than in C_r.
+    let margin = 2.0 * f64::EPSILON;
+    Ok([of(step.critical_courant)?, of(step.lower)? * (1.0 - margin), of(step.upper)? * (1.0 + margin)])
+}
+
+/// The scheme called `name`; theta is for Park's alone.
+fn scheme_of(name: &str, theta: Option<f64>) -> Result<Arc<dyn Scheme>, Refusal> {
+    let name: SchemeName = name.parse()?;
+    match theta {
+        Some(theta) => name.with_theta(theta),
+        None => Ok(name.into()),
     }
 }
 
 #[pymethods]
 impl Core {
-    /// The model of bars: a built-in name or a path.
+    /// The model of a scene: a built-in name, a path, or TOML called `path`.
     #[staticmethod]
-    #[pyo3(signature = (scene, mass, elements, diagonalised))]
-    fn from_scene(scene: &str, mass: f64, elements: Option<usize>, diagonalised: bool) -> PyResult<Self> {
-        let scene = load(scene).map_err(failed)?;
-        let scene = match elements {
-            Some(elements) if elements <= MAX_ELEMENTS => scene.with_elements(elements).map_err(refused)?,
-            Some(elements) => {
-                let allowed = format!("an integer from 1 to {MAX_ELEMENTS}");
-                return Err(refused(bipenalty::error::Refusal::new("elements", elements, allowed)));
-            }
-            None => scene,
-        };
-        let form = if diagonalised { PenaltyMass::Diagonalised } else { PenaltyMass::Consistent };
-        let model = Model::new(scene, MassMatrix::new(mass).map_err(refused)?, form);
-        let auto = model.auto();
-        Ok(Self(Arc::new(Inner { model, auto, pencil: OnceLock::new() })))
-    }
-
-    /// Name, mass matrix, elements, unknowns, contacts, omega_ref^2.
-    fn facts(&self) -> (String, String, usize, usize, usize, f64) {
-        let model = &self.0.model;
-        let (scene, contacts) = (model.scene(), model.scales().len());
-        let fixed =
-            [scene.left(), scene.right()].iter().filter(|end| **end == bipenalty::scene::End::Fixed).count();
-        let unknowns = scene.elements() + scene.bars().len() - fixed;
-        (
-            scene.name().to_owned(),
-            model.mass().name(),
-            scene.elements(),
-            unknowns,
-            contacts,
-            model.reference_eigenvalue(),
-        )
-    }
-
-    #[pyo3(signature = (beta_s, ratio, limit, theta, engine))]
-    fn critical_step(
-        &self,
+    #[pyo3(signature = (scene, text, mass, elements, diagonalised))]
+    fn from_scene(
         py: Python<'_>,
-        beta_s: f64,
-        ratio: f64,
-        limit: &str,
-        theta: Option<f64>,
-        engine: &str,
-    ) -> PyResult<StepTuple> {
-        let asked = Asked::new(limit, theta, engine)?;
-        let (beta_s, ratio) =
-            (StiffnessPenalty::new(beta_s).map_err(refused)?, Ratio::new(ratio).map_err(refused)?);
-        let model = &self.0.model;
-        model.check(beta_s, ratio).map_err(refused)?;
-        self.0.check(asked)?;
-        let (found, engine) = if asked.is_quick(model) {
-            let (found, engine) = self.0.auto.enclose_by(&model.penalty(beta_s, ratio), None);
-            (found.map(Step::proven), engine)
-        } else {
-            let inner = Arc::clone(&self.0);
-            long(py, 1, None, move |_| {
-                let penalty = inner.model.penalty(beta_s, ratio);
-                inner.with_limit(asked, |limit| limit.enclose_by(&penalty, None))
-            })??
-        };
-        let step = model.critical_step_of(found.map_err(uncertified)?);
-        let courant = [step.critical_courant, step.lower, step.upper];
-        Ok((seconds(model, &step), courant, step.omega_max, evidence(&step), engine))
+        scene: String,
+        text: Option<String>,
+        mass: Option<f64>,
+        elements: Option<usize>,
+        diagonalised: bool,
+    ) -> PyResult<Self> {
+        let mass = mass.map(MassMatrix::new).transpose().map_err(refused)?;
+        let form = if diagonalised { PenaltyMass::Diagonalised } else { PenaltyMass::Consistent };
+        let model = long(py, 1, None, move |_| {
+            let scene = match text {
+                Some(text) => AnyScene::parse(&text, &scene)?,
+                None => AnyScene::load(&scene)?,
+            };
+            let scene = elements.map_or(Ok(scene.clone()), |elements| scene.with_elements(elements))?;
+            AnyModel::new(&scene, mass, form)
+        })?;
+        model.map(Self::new).map_err(failed)
     }
 
-    #[pyo3(signature = (beta_s, ratio, limit, theta, engine, progress))]
-    #[expect(clippy::too_many_arguments, reason = "the keywords of a Python method")]
+    /// The model of matrices that are in memory; a reference of None is that of the mesh.
+    #[staticmethod]
+    #[pyo3(signature = (stiffness, mass, gaps, scales, reference))]
+    fn from_matrices(
+        py: Python<'_>,
+        stiffness: Rows<'_>,
+        mass: MassOrRows<'_>,
+        gaps: Rows<'_>,
+        scales: Option<Vec<f64>>,
+        reference: Option<f64>,
+    ) -> PyResult<Self> {
+        let (stiffness, gaps) = (stiffness.matrix("stiffness")?, gaps.gaps()?);
+        let mass = match mass {
+            MassOrRows::Diagonal(diagonal) => Matrix::Diagonal(diagonal.as_array().to_vec()),
+            MassOrRows::Rows(rows) => rows.mass()?,
+        };
+        let model = long(py, 1, None, move |_| {
+            let reference = reference.map_or(Reference::Mesh, Reference::OmegaSquared);
+            let m = Matrices::new(stiffness, mass, gaps, scales, reference)?;
+            let given = match m.reference {
+                Reference::Mesh => None,
+                Reference::OmegaSquared(l) => Some(l),
+            };
+            let model =
+                MeshModel::from_matrices(Matrix::Sparse(m.stiffness), m.mass, m.gaps, &m.scales, given)?;
+            let seal = fingerprint(&[model.pencil().stiffness(), model.pencil().mass()]);
+            Ok((model, seal))
+        })?;
+        let (model, seal) = model.map_err(refused)?;
+        Ok(Self { fingerprint: Some(seal), ..Self::new(AnyModel::Mesh(Box::new(model))) })
+    }
+
+    /// Name, mass matrix and gamma, elements, unknowns, contacts.
+    #[expect(clippy::type_complexity, reason = "named in Python")]
+    fn facts(&self) -> (String, Option<(String, f64)>, Option<usize>, usize, usize) {
+        let model = &*self.model;
+        let unknowns = match model {
+            AnyModel::Bars(model) => bipenalty::impact::Mesh::new(model.scene()).nodes(),
+            AnyModel::Mesh(model) => model.pencil().size(),
+        };
+        let mass = model.mass().map(|mass| (mass.name(), mass.gamma()));
+        (model.name().to_owned(), mass, model.elements(), unknowns, model.contacts())
+    }
+
+    /// omega_ref^2, rad^2/s^2.
+    fn reference(&self, py: Python<'_>) -> PyResult<f64> {
+        let model = self.model()?;
+        long(py, 1, None, move |_| model.reference())?.map_err(refused)
+    }
+
+    fn critical_step(&self, py: Python<'_>, beta_s: f64, ratio: f64, asked: Asked) -> PyResult<StepTuple> {
+        let asking = asked.asking()?;
+        let (point, seconds) = match self.quick(beta_s, ratio, &asking)? {
+            Some(point) => (point, seconds(&self.model, &point).map_err(refused)?),
+            None => {
+                let model = self.model()?;
+                let find = move |_: &Watch| {
+                    let point = model.critical_step(beta_s, ratio, &asking)?;
+                    Ok((point, seconds(&model, &point)?))
+                };
+                long(py, 1, None, find)?.map_err(refused)?
+            }
+        };
+        let step = point.step.map_err(uncertified)?;
+        let courant = [step.critical_courant, step.lower, step.upper];
+        Ok((seconds, courant, step.omega_max, evidence(&step), point.engine))
+    }
+
     fn map(
         &self,
         py: Python<'_>,
         beta_s: PyReadonlyArray1<'_, f64>,
         ratio: PyReadonlyArray1<'_, f64>,
-        limit: &str,
-        theta: Option<f64>,
-        engine: &str,
+        asked: Asked,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Map> {
-        let asked = Asked::new(limit, theta, engine)?;
-        let axis =
-            |values: &PyReadonlyArray1<'_, f64>| bipenalty::stability::Axis::list(values.as_array().to_vec());
+        let asking = asked.asking()?;
+        let axis = |values: &PyReadonlyArray1<'_, f64>| Axis::list(values.as_array().to_vec());
         let grid = Grid::new(&axis(&beta_s), &axis(&ratio)).map_err(refused)?;
-        self.0.model.check_grid(&grid).map_err(refused)?;
-        self.0.check(asked)?;
         grid.require_memory(Map::BYTES_PER_POINT).map_err(refused)?;
-        let inner = Arc::clone(&self.0);
-        let (points, shape) = (grid.len(), (grid.ratios.len(), grid.stiffness_penalties.len()));
-        let curves = long(py, points, progress, move |watch: &Watch| {
-            let done = |more| watch.add(more);
-            inner.with_limit(asked, |limit| bipenalty::stability::map(&inner.model, &grid, limit, &done))
-        })??;
-        Ok(Map::new(self.0.model.clone(), curves, shape))
+        let model = self.model()?;
+        let (points, shape) = (grid.len(), [grid.ratios.len(), grid.stiffness_penalties.len()]);
+        let find = move |watch: &Watch| model.map(&grid, &asking, &|more| watch.add(more));
+        let curves = long(py, points, progress, find)?.map_err(refused)?;
+        Ok(Map::new(Arc::clone(&self.model), curves, shape))
     }
 
     /// (value, lower, upper), or None where no ratio costs a step.
-    #[pyo3(signature = (beta_s, limit, theta))]
-    fn optimal_ratio(
-        &self,
-        py: Python<'_>,
-        beta_s: f64,
-        limit: &str,
-        theta: Option<f64>,
-    ) -> PyResult<Option<[f64; 3]>> {
-        let asked = Asked::new(limit, theta, "auto")?;
-        let beta_s = StiffnessPenalty::new(beta_s).map_err(refused)?;
-        check_has_contact(&self.0.model).map_err(refused)?;
-        self.0.model.check(beta_s, Ratio::OPTIMAL).map_err(refused)?;
-        self.0.check(asked)?;
-        let inner = Arc::clone(&self.0);
-        let found = long(py, 1, None, move |_| {
-            let search = |limit: &dyn StepLimit| -> Result<_, Uncertified> {
-                match asked.scheme {
-                    Some(_) => optimal_scheme_ratio(&inner.model, limit, beta_s),
-                    None => {
-                        let expected = Expectation::of(&inner.model, limit)?;
-                        optimal_ratio(&inner.model, limit, &expected, beta_s)
-                    }
-                }
-            };
-            inner.with_limit(asked, search)
-        })??;
-        Ok(found.map_err(uncertified)?.map(|found| [found.value, found.lower, found.upper]))
+    fn optimal_ratio(&self, py: Python<'_>, beta_s: f64, asked: Asked) -> PyResult<Option<[f64; 3]>> {
+        let (asking, model) = (asked.asking()?, self.model()?);
+        let found = long(py, 1, None, move |_| model.optimal_ratio(beta_s, &asking))?.map_err(failed)?;
+        Ok(found.map(|found| [found.value, found.lower, found.upper]))
     }
 
-    /// (predicted, stable_at, unstable_at) s, (stable_at, unstable_at) Courant numbers, steps, growth, agrees.
+    /// The largest beta_s that `time_step`, s, stands with a ratio: (value, lower, upper); None where it is beyond the
+    /// contact-free limit.
+    fn largest_penalty(
+        &self,
+        py: Python<'_>,
+        time_step: f64,
+        ratio: f64,
+        asked: Asked,
+    ) -> PyResult<Option<[f64; 3]>> {
+        let (asking, model) = (asked.asking()?, self.model()?);
+        let find = move |_: &Watch| model.largest_penalty(time_step, ratio, &asking);
+        Ok(long(py, 1, None, find)?.map_err(failed)?.map(|found| [found.value, found.lower, found.upper]))
+    }
+
+    /// The largest ratio that `time_step`, s, stands with a beta_s, as [`Core::largest_penalty`].
+    fn largest_ratio(
+        &self,
+        py: Python<'_>,
+        time_step: f64,
+        beta_s: f64,
+        asked: Asked,
+    ) -> PyResult<Option<[f64; 3]>> {
+        let (asking, model) = (asked.asking()?, self.model()?);
+        let find = move |_: &Watch| model.largest_ratio(time_step, beta_s, &asking);
+        Ok(long(py, 1, None, find)?.map_err(failed)?.map(|found| [found.value, found.lower, found.upper]))
+    }
+
+    /// (predicted, stable_at, unstable_at) s, steps, growth, agrees.
     #[pyo3(signature = (beta_s, ratio, scheme, theta, tolerance))]
-    #[expect(clippy::type_complexity, reason = "named in Python")]
     fn verify(
         &self,
         py: Python<'_>,
@@ -264,22 +275,21 @@ impl Core {
         scheme: &str,
         theta: Option<f64>,
         tolerance: f64,
-    ) -> PyResult<([f64; 3], [f64; 3], u64, f64, Option<bool>)> {
-        let name: SchemeName = scheme.parse().map_err(refused)?;
+    ) -> PyResult<([f64; 3], u64, f64, Option<bool>)> {
+        let model = self.bars("verify")?.clone();
+        let scheme = scheme_of(scheme, theta).map_err(refused)?;
         let stiffness_penalty = StiffnessPenalty::new(beta_s).map_err(refused)?;
         let point = Point { stiffness_penalty, ratio: Ratio::new(ratio).map_err(refused)? };
-        let inner = Arc::clone(&self.0);
-        let scheme = name.with_theta(theta.unwrap_or(0.5)).map_err(refused)?;
-        let found = long(py, 1, None, move |_| {
-            let predictor = Predictor::new(&inner.model, inner.pencil(), &*scheme)?;
-            let predicted = predictor.at(point, tolerance)?;
-            confirm(&inner.model, &*scheme, point, tolerance, Some(predicted))
-        })?
-        .map_err(refused)?;
-        let predicted = found.predicted.as_ref().map_or(f64::NAN, |predicted| predicted.courant);
-        let courants = [predicted, found.found.stable_at, found.found.unstable_at];
-        let seconds = courants.map(|courant| self.0.model.time_step(courant));
-        Ok((seconds, courants, found.found.steps, found.found.growth, found.agrees))
+        let find = move |_: &Watch| {
+            let pencil = model.pencil();
+            let predicted = Predictor::new(&model, &pencil, &*scheme)?.at(point, tolerance)?;
+            let predicted_courant = predicted.courant;
+            let found = confirm(&model, &*scheme, point, tolerance, Some(predicted))?;
+            let courants = [predicted_courant, found.found.stable_at, found.found.unstable_at];
+            let seconds = courants.map(|courant| model.time_step(courant));
+            Ok((seconds, found.found.steps, found.found.growth, found.agrees))
+        };
+        long(py, 1, None, find)?.map_err(refused)
     }
 
     /// The arrays and numbers of a run by name.
@@ -297,14 +307,15 @@ impl Core {
         every: u64,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let scheme: SchemeName = scheme.parse().map_err(refused)?;
-        let beta_s = StiffnessPenalty::new(beta_s).map_err(refused)?;
-        let ratio = Ratio::new(ratio).map_err(refused)?;
+        let model = self.bars("impact")?.clone();
         let run = || {
-            let scheme = scheme.with_theta(theta.unwrap_or(0.5))?;
-            let run = Run::new(self.0.model.clone(), scheme, beta_s, ratio)?;
+            let (beta_s, ratio) = (StiffnessPenalty::new(beta_s)?, Ratio::new(ratio)?);
+            let run = Run::new(model, scheme_of(scheme, theta)?, beta_s, ratio)?;
             let run = run.with_relative_courant(relative_courant)?;
-            duration.map_or(Ok(run.clone()), |duration| run.with_duration(duration))
+            match duration {
+                Some(duration) => run.with_duration(duration),
+                None => Ok(run),
+            }
         };
         impact::run(py, run().map_err(refused)?, every, progress)
     }
@@ -316,19 +327,27 @@ impl Core {
         courant: f64,
         beta_s: (f64, f64),
         ratio: (f64, f64),
-        limit: &str,
-        theta: Option<f64>,
-    ) -> PyResult<Bound<'py, numpy::PyArray2<f64>>> {
-        let asked = Asked::new(limit, theta, "auto")?;
-        let points = match asked.scheme {
-            None => bipenalty::stability::contour(&self.0.model, courant, beta_s, ratio).map_err(refused)?,
-            Some(_) => self.0.with_limit(asked, |limit| {
-                bipenalty::stability::scheme_contour(&self.0.model, limit, courant, beta_s, ratio)
-            })?,
-        };
-        let flat: Vec<[f64; 2]> = points.into_iter().map(|(b, r)| [b, r]).collect();
-        let array = flat.concat().to_pyarray(py);
-        use numpy::PyArrayMethods as _;
-        array.reshape([flat.len(), 2]).map_err(|e| PyValueError::new_err(e.to_string()))
+        asked: Asked,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (asking, model) = (asked.asking()?, self.model()?);
+        let find = move |_: &Watch| model.contour(courant, beta_s, ratio, &asking);
+        let points = long(py, 1, None, find)?.map_err(refused)?;
+        let flat: Vec<f64> = points.iter().flat_map(|(b, r)| [*b, *r]).collect();
+        flat.into_pyarray(py).reshape([points.len(), 2])
+    }
+
+    /// K, M and Z as (starts, columns, values, shape) of their rows, and w, N/m.
+    fn matrices<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
+        match &*self.model()? {
+            AnyModel::Bars(model) => {
+                model.check_pencil().map_err(refused)?;
+                let pencil = model.pencil();
+                Ok(parts(py, pencil.stiffness(), pencil.mass(), pencil.gaps()))
+            }
+            AnyModel::Mesh(model) => {
+                let (stiffness, mass, gaps) = model.matrices();
+                Ok(parts(py, stiffness, mass, gaps))
+            }
+        }
     }
 }
