@@ -173,16 +173,17 @@ impl<S: Source> Curve<S> {
         Ok(())
     }
 
-    /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M).
+    /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M); closer
+    /// still where patches, not rounding, decide how high it is.
     fn climb(&mut self, start: f64, combination: (f64, f64), step: f64) -> Option<f64> {
-        let (mut step, mut margin) = (step, 0.05 * step / start);
+        let (mut step, mut failed, mut margin) = (step, 0.0, 0.05 * step / start);
         // 4^24 > 1e14: from the last digits to the size of the value.
         for _ in 0..24 {
-            let u = start + step;
             self.effort.proofs += 1;
-            match self.source.prove(u, combination, margin) {
-                Verdict::Proven => return Some(u),
-                Verdict::Refuted => step *= 4.0,
+            match self.source.prove(start + step, combination, margin) {
+                Verdict::Proven if self.source.is_sharp() || failed == 0.0 => return Some(start + step),
+                Verdict::Proven => return Some(start + self.between(start, combination, (failed, step))),
+                Verdict::Refuted => (failed, step) = (step, 4.0 * step),
                 Verdict::TooClose(needed) => {
                     margin = 2.0 * needed;
                     step = step.max(4.0 * margin * start);
@@ -191,6 +192,23 @@ impl<S: Source> Curve<S> {
             self.effort.failed += 1;
         }
         None
+    }
+
+    /// The smallest step of a few between one that could not be proven and one that was.
+    fn between(&mut self, start: f64, combination: (f64, f64), (failed, proven): (f64, f64)) -> f64 {
+        let (mut failed, mut proven) = (failed, proven);
+        // To 4^(1/8), a fifth of the step.
+        for _ in 0..3 {
+            let middle = (failed * proven).sqrt();
+            self.effort.proofs += 1;
+            if self.source.prove(start + middle, combination, 0.05 * middle / start) == Verdict::Proven {
+                proven = middle;
+            } else {
+                failed = middle;
+                self.effort.failed += 1;
+            }
+        }
+        proven
     }
 
     /// Relative width that an eigenvalue may have.

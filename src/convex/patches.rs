@@ -9,6 +9,7 @@
 //! patch proves that much more.
 
 use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -81,7 +82,7 @@ pub fn groups(
 /// Patches as pencils of their own; identical ones are kept once.
 #[derive(Debug)]
 pub struct Patches {
-    distinct: Vec<(MeshPencil, Factorisation)>,
+    distinct: Vec<Patch>,
     total: usize,
     /// Row sums of |K_e|, |M_e| and |P|, as far as it is shared out, over diag(M), and roundings, of the sum of all patches.
     sizes: (f64, f64, f64, usize),
@@ -134,20 +135,57 @@ impl Patches {
 
     /// Unknowns of the largest patch.
     pub fn largest(&self) -> usize {
-        self.distinct.iter().map(|(pencil, _)| pencil.size()).max().unwrap_or(0)
+        self.distinct.iter().map(|patch| patch.pencil.size()).max().unwrap_or(0)
     }
 
     /// Whether u M - a K - t P is positive semidefinite, patch by patch.
     pub fn prove(&self, u: f64, a: f64, t: f64, margin: f64) -> Verdict {
         let (k, m, p, count) = self.sizes;
         // diag(M_p), scaled by powers of two, lies below 2; the rounding of shares and sums is covered by doubling.
-        let lost = 4.0 * super::factor::rounding(count) * (a.abs() * k + u * m + t.abs() * p);
-        let verdict = |(_, factorisation): &(MeshPencil, Factorisation)| {
-            factorisation.prove_beyond(u, (a, t), margin, lost)
-        };
+        let unit = 4.0 * super::factor::rounding(count);
+        let lost = Lost { mass: unit * m, other: unit * (a.abs() * k + t.abs() * p) };
+        let verdict = |patch: &Patch| patch.prove(u, (a, t), margin, lost);
         self.distinct.par_iter().map(verdict).reduce(|| Verdict::Proven, worse)
     }
 }
+
+/// What the rounding of sums and shares may take, in units of D: mass u + other.
+#[derive(Debug, Clone, Copy)]
+struct Lost {
+    mass: f64,
+    other: f64,
+}
+
+/// A patch with what is known about it.
+#[derive(Debug)]
+struct Patch {
+    pencil: MeshPencil,
+    factorisation: Factorisation,
+    /// Of a patch without contacts: a u that is proven for a = 1, with what rounding was allowed to take besides u.
+    known: Mutex<Option<(f64, f64)>>,
+}
+
+impl Patch {
+    fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64, lost: Lost) -> Verdict {
+        let beyond = |u: f64| lost.mass * u + lost.other;
+        let free = self.pencil.contacts().is_empty() && a == 1.0;
+        // No panic happens while it is held; and what is known stays true after one.
+        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if free && known().is_some_and(|(least, other)| u >= least && lost.other <= other) {
+            return Verdict::Proven;
+        }
+        let verdict = self.factorisation.prove_beyond(u, (a, t), margin, beyond(u));
+        // A larger u adds (u - least) D M D, which must be worth what rounding takes more: that is a proof of its own.
+        let mass = || self.factorisation.prove_beyond(1.0, (0.0, 0.0), MASS_MARGIN, lost.mass);
+        if free && verdict == Verdict::Proven && (known().is_some() || mass() == Verdict::Proven) {
+            *known() = Some((u, lost.other));
+        }
+        verdict
+    }
+}
+
+/// The part of M that may go to rounding where its own definiteness is proven; element masses are definite by far more.
+const MASS_MARGIN: f64 = 1e-6;
 
 /// The verdict on both of two patches.
 fn worse(one: Verdict, other: Verdict) -> Verdict {
@@ -277,7 +315,7 @@ fn build(
     elements: &Elements,
     Group { elements: members, contacts: carried }: &Group,
     memory: usize,
-) -> Result<(MeshPencil, Factorisation), Refusal> {
+) -> Result<Patch, Refusal> {
     let local = numbering(elements, members);
     let (stiffness, mass) = elements.assemble_some(members, local.len(), |i| local[&i]);
     let contacts = carried
@@ -297,7 +335,7 @@ fn build(
             format!("at most {allowed} bytes; smaller patches"),
         )
     })?;
-    Ok((pencil, factorisation))
+    Ok(Patch { pencil, factorisation, known: Mutex::default() })
 }
 
 /// The largest row sum of sum_j w_j |z_j||z_j|' over diag(M).

@@ -1,5 +1,7 @@
 //! What one part is made of, as plain lists: they travel between processes and stand in files.
 
+use std::collections::HashSet;
+
 use crate::convex::patches::{ElementMatrices, Elements, Group, groups};
 use crate::error::Refusal;
 use crate::pencil::Gap;
@@ -49,8 +51,9 @@ impl Share {
         if let Some(carrier) = &self.carrier {
             let lengths = carrier.len() == self.contacts.len();
             fits("gap_patch", lengths, carrier.len(), "one number for each contact")?;
-            let known = carrier.iter().find(|p| !self.patch.contains(p));
-            fits("gap_patch", known.is_none(), format!("{known:?}"), "the number of a patch")?;
+            let known: HashSet<usize> = self.patch.iter().copied().collect();
+            let unknown = carrier.iter().find(|p| !known.contains(p));
+            fits("gap_patch", unknown.is_none(), format!("{unknown:?}"), "the number of a patch")?;
         }
         Ok(())
     }

@@ -74,7 +74,9 @@ def _at_home(comm: MPI.Comm, keys: Numbers, values: Numbers, better: np.ufunc) -
 
     def there(sent: Numbers) -> Numbers:
         got = np.empty(came.sum(), dtype=np.int64)
-        comm.Alltoallv([sent, (counts, _starts(counts))], [got, (came, _starts(came))])
+        comm.Alltoallv(
+            [sent, (counts, _starts(counts)), MPI.INT64_T], [got, (came, _starts(came)), MPI.INT64_T]
+        )
         return got
 
     known, place = np.unique(there(keys[order]), return_inverse=True)
@@ -83,7 +85,9 @@ def _at_home(comm: MPI.Comm, keys: Numbers, values: Numbers, better: np.ufunc) -
     best[place] = given
     better.at(best, place, given)
     back = np.empty(len(keys), dtype=np.int64)
-    comm.Alltoallv([best[place], (came, _starts(came))], [back, (counts, _starts(counts))])
+    comm.Alltoallv(
+        [best[place], (came, _starts(came)), MPI.INT64_T], [back, (counts, _starts(counts)), MPI.INT64_T]
+    )
     answer = np.empty_like(back)
     answer[order] = back
     return answer
@@ -218,13 +222,15 @@ class Pencil:
         """B = W^1/2 Z'D^-1/2, a row for each contact of the part that holds it."""
         starts, columns, entries = self.part.gaps()
         scales = self.part.scales()
-        count = len(scales)
-        if self.comm.allreduce(count) == 0:
+        count, own = len(scales), len(self.numbering.owned)
+        total = self.comm.allreduce(count)
+        if total == 0:
             return None
-        entries = entries * np.repeat(np.sqrt(scales), np.diff(starts))
-        own = len(self.numbering.owned)
-        csr = (starts.astype(PETSc.IntType), self.numbering.number[columns].astype(PETSc.IntType), entries)
-        matrix = PETSc.Mat().createAIJ(((count, None), (own, self.total)), csr=csr, comm=self.comm)
+        row = np.repeat(np.arange(count), np.diff(starts))
+        entries, columns = entries * np.sqrt(scales)[row], self.numbering.number[columns]
+        order = np.lexsort((columns, row))
+        csr = (starts.astype(PETSc.IntType), columns[order].astype(PETSc.IntType), entries[order])
+        matrix = PETSc.Mat().createAIJ(((count, total), (own, self.total)), csr=csr, comm=self.comm)
         matrix.diagonalScale(R=scale)
         return matrix
 

@@ -183,6 +183,10 @@ def rows(facts: _parts.Facts, options: argparse.Namespace, found: dict[str, Any]
     for ratio in options.ratio:
         for beta_s in options.beta_s:
             lower, upper = next(points)
+            if not lower > 0.0:
+                narrow = False
+                table.append([*head, beta_s, ratio, *[None] * 4, f"{ENGINE}, not certified", *[None] * 3, ""])
+                continue
             omega = math.sqrt(lower)
             # A root and a quotient each.
             step = [2.0 / omega, 2.0 / math.sqrt(upper) * (1.0 - 4.0 * _EPS), 2.0 / omega * (1.0 + 4.0 * _EPS)]
