@@ -1,7 +1,7 @@
 //! Patches of the elements of a scene: boxes of one lattice for all bodies, which no contact surface cuts lengthwise.
 //!
-//! A contact must lie in one patch with all its unknowns, on both sides. So the planes of the lattice keep away from contacts
-//! that face along their normal; where bodies meet with meshes that do not match, elements at the seam move over.
+//! A contact must lie in one patch with all its unknowns, on both sides. So the lattice has no cut near contacts that face
+//! along its normal; where bodies meet with meshes that do not match, elements at the seam move over.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,7 @@ use crate::mesh::{Contact, Elements, HELD};
 /// The patch of each element: about `edge` elements along each side.
 pub(super) fn clusters(elements: &Elements, contacts: &[Contact], edge: usize) -> Vec<usize> {
     let lattice = Lattice::of(elements, contacts, edge.max(1));
-    let mut numbers: HashMap<[i64; 3], usize> = HashMap::new();
+    let mut numbers: HashMap<[usize; 3], usize> = HashMap::new();
     let mut patch: Vec<usize> = (0..elements.len())
         .map(|e| {
             let next = numbers.len();
@@ -21,48 +21,55 @@ pub(super) fn clusters(elements: &Elements, contacts: &[Contact], edge: usize) -
     patch
 }
 
-struct Lattice {
-    origin: [f64; 3],
-    size: [f64; 3],
-}
+/// Where the lattice is cut along each axis, ascending.
+struct Lattice([Vec<f64>; 3]);
 
 impl Lattice {
     fn of(elements: &Elements, contacts: &[Contact], edge: usize) -> Self {
-        let (mut corner, mut widest) = ([f64::INFINITY; 3], [0.0; 3]);
+        let (mut low, mut high, mut widest) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], [0.0_f64; 3]);
         for body in &elements.bodies {
             let mut mean = [0.0; 3];
             let count = body.mesh.elements();
             for e in 0..count {
                 let places = body.mesh.places(e);
                 for axis in 0..3 {
-                    let low = places.iter().map(|x| x[axis]).fold(f64::INFINITY, f64::min);
-                    let high = places.iter().map(|x| x[axis]).fold(f64::NEG_INFINITY, f64::max);
-                    mean[axis] += (high - low) / count as f64;
-                    corner[axis] = f64::min(corner[axis], low);
+                    let least = places.iter().map(|x| x[axis]).fold(f64::INFINITY, f64::min);
+                    let most = places.iter().map(|x| x[axis]).fold(f64::NEG_INFINITY, f64::max);
+                    mean[axis] += (most - least) / count as f64;
+                    (low[axis], high[axis]) = (low[axis].min(least), high[axis].max(most));
                 }
             }
-            (0..3).for_each(|axis| widest[axis] = f64::max(widest[axis], mean[axis]));
+            (0..3).for_each(|axis| widest[axis] = widest[axis].max(mean[axis]));
         }
-        let size = widest.map(|h| if h > 0.0 { edge as f64 * h } else { 1.0 });
-        let origin = [0, 1, 2].map(|axis| {
-            let planes = facing(elements, contacts, axis);
-            let step = size[axis] / edge as f64;
-            // As far from every plane of contacts as whole elements let it be.
-            let distance = |shift: usize| {
-                let origin = corner[axis] + shift as f64 * step;
-                let off = planes.iter().map(|x| ((x - origin) / size[axis]).rem_euclid(1.0));
-                off.map(|off| off.min(1.0 - off)).fold(f64::INFINITY, f64::min)
-            };
-            let best =
-                (0..edge).fold(0, |best, next| if distance(next) > distance(best) { next } else { best });
-            corner[axis] + best as f64 * step
-        });
-        Self { origin, size }
+        Self([0, 1, 2].map(|axis| {
+            let ends = (low[axis], high[axis]);
+            cuts(ends, &facing(elements, contacts, axis), edge as f64 * widest[axis])
+        }))
     }
 
-    fn cell(&self, x: [f64; 3]) -> [i64; 3] {
-        [0, 1, 2].map(|axis| ((x[axis] - self.origin[axis]) / self.size[axis]).floor() as i64)
+    fn cell(&self, x: [f64; 3]) -> [usize; 3] {
+        [0, 1, 2].map(|axis| self.0[axis].partition_point(|cut| *cut <= x[axis]))
     }
+}
+
+/// Cuts between two ends into pieces of about `size`, none of them in a zone of contacts that face along this axis: the
+/// pieces on both sides of a zone are one. Equal pieces: a thin one would be as high as a single element.
+fn cuts((low, high): (f64, f64), planes: &[f64], size: f64) -> Vec<f64> {
+    // A zone as high as several pieces would leave one patch for all of it: it is cut.
+    let mut zones: Vec<(f64, f64)> = Vec::new();
+    for x in planes {
+        match zones.last_mut() {
+            Some((first, last)) if x - *last < size && x - *first <= 3.0 * size => *last = *x,
+            _ => zones.push((*x, *x)),
+        }
+    }
+    let begins = std::iter::once(low).chain(zones.iter().map(|zone| zone.1));
+    let ends = zones.iter().map(|zone| zone.0).chain([high]);
+    let pieces = |(from, to): (f64, f64)| {
+        let count = if size > 0.0 { ((to - from) / size).round().max(1.0) as usize } else { 1 };
+        (1..count).map(move |i| from + (to - from) * (i as f64 / count as f64))
+    };
+    begins.zip(ends).flat_map(pieces).collect()
 }
 
 /// The coordinates along `axis` of contacts whose normal has its largest part there.

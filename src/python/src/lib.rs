@@ -4,8 +4,8 @@
 //! Results are tuples and arrays here; the Python package gives them names, units and a `repr`.
 
 mod arrays;
-mod distributed;
 mod asked;
+mod distributed;
 mod impact;
 mod map;
 mod model;
