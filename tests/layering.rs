@@ -18,14 +18,14 @@ const MAY_NAME: [(&str, &[&str]); 16] = [
     ("mesh", &["error", "memory", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),
     ("convex", &["error", "sparse", "pencil"]),
-    ("parts", &["error", "fem", "sparse", "pencil", "mesh", "convex"]),
+    ("parts", &["error", "memory", "fem", "sparse", "pencil", "mesh", "convex"]),
     ("penalty", &["error", "pencil"]),
     ("spectrum", &["error", "sparse", "pencil"]),
     (
         "stability", // of any scene, and the limits of schemes
         &[
             "error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "sparse", "mesh",
-            "matrices", "convex",
+            "matrices", "convex", "parts",
         ],
     ),
     ("schemes", &["error", "sparse", "pencil", "spectrum"]),

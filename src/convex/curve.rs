@@ -35,11 +35,11 @@ impl Prover {
         }
     }
 
-    /// Bytes of the factor of the whole matrix.
+    /// Bytes of the factors that are held at a time at most.
     pub fn memory(&self) -> usize {
         match self {
             Self::Whole(factorisation) => factorisation.memory(),
-            Self::Patches(_) => 0,
+            Self::Patches(patches) => patches.memory(),
         }
     }
 
@@ -86,6 +86,9 @@ pub struct Effort {
     pub memory: usize,
 }
 
+/// How closely the excess of a bound by patches is looked for, relative to itself.
+const CLOSELY: f64 = 0.02;
+
 /// f of one pencil, with all that is known about it so far. The pencil may lie anywhere: see [`Source`].
 #[derive(Debug)]
 pub struct Curve<S = Local> {
@@ -125,6 +128,11 @@ impl Curve {
         let mut curve = Self::of(Local::new(start, prover), options)?;
         curve.effort.memory = memory;
         Ok(curve)
+    }
+
+    /// What proves.
+    pub fn prover(&self) -> &Prover {
+        &self.source.prover
     }
 
     /// The vector of the largest Ritz value at t, x'Mx = 1 up to rounding: who governs the step there.
@@ -173,42 +181,43 @@ impl<S: Source> Curve<S> {
         Ok(())
     }
 
-    /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M); closer
-    /// still where patches, not rounding, decide how high it is.
+    /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M); of
+    /// patches, which are too high by their nature, how far is then looked for to a part of [`CLOSELY`].
     fn climb(&mut self, start: f64, combination: (f64, f64), step: f64) -> Option<f64> {
-        let (mut step, mut failed, mut margin) = (step, 0.0, 0.05 * step / start);
+        let (mut step, mut margin, mut failed) = (step, 0.05 * step / start, 0.0);
+        let mut proven = None;
         // 4^24 > 1e14: from the last digits to the size of the value.
         for _ in 0..24 {
-            self.effort.proofs += 1;
-            match self.source.prove(start + step, combination, margin) {
-                Verdict::Proven if self.source.is_sharp() || failed == 0.0 => return Some(start + step),
-                Verdict::Proven => return Some(start + self.between(start, combination, (failed, step))),
+            match self.try_to_prove(start + step, combination, margin) {
+                Verdict::Proven => {
+                    proven = Some(start + step);
+                    break;
+                }
                 Verdict::Refuted => (failed, step) = (step, 4.0 * step),
                 Verdict::TooClose(needed) => {
                     margin = 2.0 * needed;
-                    step = step.max(4.0 * margin * start);
+                    (failed, step) = (step, step.max(4.0 * margin * start));
                 }
             }
-            self.effort.failed += 1;
         }
-        None
-    }
-
-    /// The smallest step of a few between one that could not be proven and one that was.
-    fn between(&mut self, start: f64, combination: (f64, f64), (failed, proven): (f64, f64)) -> f64 {
-        let (mut failed, mut proven) = (failed, proven);
-        // To 4^(1/8), a fifth of the step.
-        for _ in 0..3 {
-            let middle = (failed * proven).sqrt();
-            self.effort.proofs += 1;
-            if self.source.prove(start + middle, combination, 0.05 * middle / start) == Verdict::Proven {
-                proven = middle;
-            } else {
-                failed = middle;
-                self.effort.failed += 1;
+        if !self.source.is_sharp() {
+            while proven.is_some() && failed > 0.0 && step > failed * (1.0 + CLOSELY) {
+                let middle = (failed * step).sqrt();
+                if self.try_to_prove(start + middle, combination, margin) == Verdict::Proven {
+                    (proven, step) = (Some(start + middle), middle);
+                } else {
+                    failed = middle;
+                }
             }
         }
         proven
+    }
+
+    pub(super) fn try_to_prove(&mut self, u: f64, combination: (f64, f64), margin: f64) -> Verdict {
+        let verdict = self.source.prove(u, combination, margin);
+        self.effort.proofs += 1;
+        self.effort.failed += usize::from(verdict != Verdict::Proven);
+        verdict
     }
 
     /// Relative width that an eigenvalue may have.

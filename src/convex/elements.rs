@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::patches::Member;
 use crate::pencil::Matrix;
 use crate::sparse::Csr;
 
@@ -29,21 +30,21 @@ const ROWS: usize = 4096;
 impl Elements {
     /// K and M of n unknowns, assembled; M is kept as a diagonal if every element has one.
     pub fn assemble(&self, n: usize) -> (Matrix, Matrix) {
-        let all: Vec<usize> = (0..self.elements.len()).collect();
+        let all: Vec<Member> = (0..self.elements.len()).map(|e| (e, 1.0)).collect();
         self.assemble_some(&all, n, |unknown| unknown)
     }
 
-    /// K and M of some elements, whose unknowns `local` numbers below n. Row by row: no list of all entries is held.
+    /// K and M of some elements and shares of them, whose unknowns `local` numbers below n. Row by row: no list of all entries is held.
     pub(super) fn assemble_some(
         &self,
-        which: &[usize],
+        which: &[Member],
         n: usize,
         local: impl Fn(u32) -> u32 + Sync,
     ) -> (Matrix, Matrix) {
         let at = Incidence::of(self, which, n, &local);
         let diagonal = self.shapes.iter().all(ElementMatrices::has_diagonal_mass);
         let mass = if diagonal {
-            let sum = |row: usize| at.of_row(row).map(|(e, i)| self.entry(e, i, i).1).sum();
+            let sum = |row: usize| at.of_row(row).map(|(e, i, share)| share * self.entry(e, i, i).1).sum();
             Matrix::Diagonal((0..n).map(sum).collect())
         } else {
             Matrix::Sparse(self.rows(&at, n, &local, |entry| Some(entry.1).filter(|m| *m != 0.0)))
@@ -72,9 +73,10 @@ impl Elements {
             let mut entries: Vec<(u32, f64)> = Vec::new();
             for row in rows {
                 entries.clear();
-                for (e, i) in at.of_row(row) {
+                for (e, i, share) in at.of_row(row) {
                     for (j, unknown) in self.elements[e].1.iter().enumerate() {
-                        let entry = unknown.and_then(|u| Some((local(u), part(self.entry(e, i, j))?)));
+                        let entry =
+                            unknown.and_then(|u| Some((local(u), share * part(self.entry(e, i, j))?)));
                         entries.extend(entry);
                     }
                 }
@@ -130,34 +132,34 @@ impl ElementMatrices {
     }
 }
 
-/// The elements at each unknown, ascending, with the place of the unknown in each.
+/// The elements at each unknown in their order, with the place of the unknown in each and the share of it.
 struct Incidence {
     starts: Vec<usize>,
-    places: Vec<(u32, u16)>,
+    places: Vec<(u32, u16, f64)>,
 }
 
 impl Incidence {
-    fn of(elements: &Elements, which: &[usize], n: usize, local: &impl Fn(u32) -> u32) -> Self {
+    fn of(elements: &Elements, which: &[Member], n: usize, local: &impl Fn(u32) -> u32) -> Self {
         let all = || {
-            which.iter().flat_map(|e| {
+            which.iter().flat_map(|(e, share)| {
                 let unknowns = elements.elements[*e].1.iter().enumerate();
-                unknowns.filter_map(move |(i, u)| Some((*e as u32, i as u16, (*u)?)))
+                unknowns.filter_map(move |(i, u)| Some(((*e as u32, i as u16, *share), (*u)?)))
             })
         };
         let mut starts = vec![0; n + 1];
-        all().for_each(|(.., u)| starts[local(u) as usize + 1] += 1);
+        all().for_each(|(_, u)| starts[local(u) as usize + 1] += 1);
         (0..n).for_each(|row| starts[row + 1] += starts[row]);
-        let (mut next, mut places) = (starts.clone(), vec![(0, 0); starts[n]]);
-        for (e, i, u) in all() {
+        let (mut next, mut places) = (starts.clone(), vec![(0, 0, 0.0); starts[n]]);
+        for (place, u) in all() {
             let row = local(u) as usize;
-            places[next[row]] = (e, i);
+            places[next[row]] = place;
             next[row] += 1;
         }
         Self { starts, places }
     }
 
-    fn of_row(&self, row: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+    fn of_row(&self, row: usize) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let range = self.starts[row]..self.starts[row + 1];
-        self.places[range].iter().map(|(e, i)| (*e as usize, *i as usize))
+        self.places[range].iter().map(|(e, i, share)| (*e as usize, *i as usize, *share))
     }
 }

@@ -95,8 +95,7 @@ impl<S: Source> Curve<S> {
         let mut margin = 0.01 * room;
         // The margin that rounding needs is known after one trial, and hardly changes with itself.
         for _ in 0..3 {
-            self.effort.proofs += 1;
-            match self.source.prove(l, (1.0, t), margin) {
+            match self.try_to_prove(l, (1.0, t), margin) {
                 Verdict::Proven => {
                     self.upper.add(Point { t, u: l });
                     return true;
@@ -104,7 +103,6 @@ impl<S: Source> Curve<S> {
                 Verdict::Refuted => break,
                 Verdict::TooClose(needed) => margin = 2.0 * needed,
             }
-            self.effort.failed += 1;
         }
         false
     }

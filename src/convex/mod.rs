@@ -66,6 +66,7 @@ pub mod patches;
 pub mod pencil;
 mod point;
 pub mod session;
+pub mod sharing;
 pub mod source;
 pub mod span;
 mod start;

@@ -31,11 +31,12 @@
 //! # Ok::<(), bipenalty::error::Error>(())
 //! ```
 
-mod clusters;
+mod elements;
 mod part;
 mod share;
 mod split;
 
+pub use elements::elements;
 pub use part::Part;
 pub use share::Share;
 pub use split::split;

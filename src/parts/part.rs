@@ -27,7 +27,7 @@ impl Part {
         share.check()?;
         let groups = share.groups()?;
         let (stiffness, mass) = share.elements.assemble(share.unknowns.len());
-        let contacts = groups.iter().flat_map(|group| group.contacts.iter().cloned()).collect();
+        let contacts = groups.iter().flat_map(|(_, contacts)| contacts.iter().cloned()).collect();
         let pencil = MeshPencil::new(stiffness, mass, contacts)?;
         let patches = Patches::of(&pencil, &share.elements, &groups, memory)?;
         // The forms are of the elements as stored: an entry sums up those of its elements besides.

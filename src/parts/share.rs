@@ -1,8 +1,9 @@
 //! What one part is made of, as plain lists: they travel between processes and stand in files.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
-use crate::convex::patches::{ElementMatrices, Elements, Group, groups};
+use crate::convex::patches::{ElementMatrices, Elements, Group};
+use crate::convex::sharing::groups;
 use crate::error::Refusal;
 use crate::pencil::Gap;
 use crate::sparse::SparseVector;
@@ -65,34 +66,37 @@ impl Share {
         };
         let count = self.patch.iter().max().map_or(0, |most| most + 1);
         let mut found = vec![Group::default(); count];
-        self.patch.iter().enumerate().for_each(|(e, p)| found[*p].elements.push(e));
-        carrier.iter().zip(&self.contacts).for_each(|(p, c)| found[*p].contacts.push(c.clone()));
-        found.retain(|group| !group.elements.is_empty());
+        self.patch.iter().enumerate().for_each(|(e, p)| found[*p].0.push((e, 1.0)));
+        carrier.iter().zip(&self.contacts).for_each(|(p, c)| found[*p].1.push(c.clone()));
+        found.retain(|(members, _)| !members.is_empty());
         Ok(found)
     }
 
-    /// Takes some patches out of a whole mesh of contacts already shared out.
+    /// Takes some patches out of a whole mesh of contacts already shared out. A share of an element is an element with
+    /// that share of its matrices.
     pub(super) fn of(elements: &Elements, chosen: &[&Group]) -> Self {
-        let mut share = Self { carrier: Some(Vec::new()), ..Self::default() };
-        let members =
-            || chosen.iter().flat_map(|group| group.elements.iter().map(|e| &elements.elements[*e]));
-        share.unknowns = members().flat_map(|(_, u)| u.iter().flatten().map(|u| u64::from(*u))).collect();
+        let mut share = Self::default();
+        let members = || chosen.iter().flat_map(|(members, _)| members.iter().copied());
+        let unknowns = members().flat_map(|(e, _)| elements.elements[e].1.iter().flatten());
+        share.unknowns = unknowns.map(|u| u64::from(*u)).collect();
         share.unknowns.sort_unstable();
         share.unknowns.dedup();
         // Every number that is looked up was put there above.
         let local = |u: u32| share.unknowns.partition_point(|known| *known < u64::from(u)) as u32;
-        let mut shapes: Vec<usize> = members().map(|(shape, _)| *shape).collect();
-        shapes.sort_unstable();
-        shapes.dedup();
-        let listed = members().map(|(shape, unknowns)| {
-            (shapes.partition_point(|known| known < shape), unknowns.iter().map(|u| u.map(local)).collect())
-        });
-        share.elements.elements = listed.collect();
-        share.elements.shapes = shapes.iter().map(|s| elements.shapes[*s].clone()).collect();
+        let mut shapes: HashMap<(usize, u64), usize> = HashMap::new();
+        for (e, part) in members() {
+            let (shape, unknowns) = &elements.elements[e];
+            let next = shapes.len();
+            let number = *shapes.entry((*shape, part.to_bits())).or_insert(next);
+            if number == share.elements.shapes.len() {
+                share.elements.shapes.push(scaled(&elements.shapes[*shape], part));
+            }
+            share.elements.elements.push((number, unknowns.iter().map(|u| u.map(local)).collect()));
+        }
         let mut carrier = Vec::new();
-        for (number, group) in chosen.iter().enumerate() {
-            share.patch.extend(group.elements.iter().map(|_| number));
-            for contact in &group.contacts {
+        for (number, (members, contacts)) in chosen.iter().enumerate() {
+            share.patch.extend(members.iter().map(|_| number));
+            for contact in contacts {
                 let column = contact.column.0.iter().map(|(u, z)| (local(*u), *z)).collect();
                 share.contacts.push(Gap { column: SparseVector(column), ..contact.clone() });
                 carrier.push(number);
@@ -101,6 +105,11 @@ impl Share {
         share.carrier = Some(carrier);
         share
     }
+}
+
+fn scaled(shape: &ElementMatrices, part: f64) -> ElementMatrices {
+    let times = |matrix: &[f64]| matrix.iter().map(|v| part * v).collect();
+    ElementMatrices { stiffness: times(&shape.stiffness), mass: times(&shape.mass) }
 }
 
 fn check_shape(at: usize, shape: &ElementMatrices) -> Result<(), Refusal> {

@@ -1,13 +1,12 @@
 //! A scene cut into parts of about as many elements each.
 
-use std::collections::HashMap;
-
-use super::clusters::clusters;
+use super::elements;
 use super::share::Share;
-use crate::convex::patches::{ElementMatrices, Elements, Group, groups};
+use crate::convex::patches::Group;
+use crate::convex::sharing::groups;
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
-use crate::mesh::{self, HELD, MeshScene};
+use crate::mesh::{self, MeshScene};
 
 /// Cuts a scene into `parts`, out of patches with about `edge` elements along an edge.
 ///
@@ -15,8 +14,8 @@ use crate::mesh::{self, HELD, MeshScene};
 /// What [`MeshScene::assemble`] refuses; fewer patches than parts.
 pub fn split(scene: &MeshScene, mass: MassMatrix, parts: usize, edge: usize) -> Result<Vec<Share>> {
     let assembled = scene.assemble(mass)?;
-    let (elements, n) = (convex_elements(&assembled.elements)?, assembled.stiffness.rows());
-    let patch = clusters(&assembled.elements, &assembled.contacts, edge);
+    let (elements, n) = (elements(&assembled.elements)?, assembled.stiffness.rows());
+    let patch = assembled.elements.patches(edge.max(1));
     let patches = groups(&assembled.gaps(), n, &elements, &patch)?;
     if parts == 0 || patches.len() < parts {
         let value = format!("{parts} of scene {}", scene.name);
@@ -31,48 +30,11 @@ pub fn split(scene: &MeshScene, mass: MassMatrix, parts: usize, edge: usize) -> 
     Ok(chosen.iter().map(|chosen| Share::of(&elements, chosen)).collect())
 }
 
-/// The elements of a mesh with their matrices over unknowns; congruent ones share them.
-fn convex_elements(mesh: &mesh::Elements) -> Result<Elements, Refusal> {
-    let (mut elements, mut known) = (Elements::default(), HashMap::new());
-    for e in 0..mesh.len() {
-        let template = mesh.template(e);
-        let shape = match known.get(&template) {
-            Some(shape) => *shape,
-            None => {
-                let (stiffness, between) = mesh.matrices(e)?;
-                let (size, d) = (stiffness.len().isqrt(), mesh.dimension);
-                let mut mass = vec![0.0; stiffness.len()];
-                for (at, m) in between.iter().enumerate() {
-                    let (a, b) = (at / (size / d) * d, at % (size / d) * d);
-                    (0..d).for_each(|i| mass[(a + i) * size + b + i] = *m);
-                }
-                elements
-                    .shapes
-                    .push(ElementMatrices { stiffness: symmetric(stiffness), mass: symmetric(mass) });
-                known.insert(template, elements.shapes.len() - 1);
-                elements.shapes.len() - 1
-            }
-        };
-        let unknowns = mesh.dofs(e).into_iter().map(|dof| (dof != HELD).then_some(dof)).collect();
-        elements.elements.push((shape, unknowns));
-    }
-    Ok(elements)
-}
-
-/// The lower triangle on both sides: quadrature may round (i, j) and (j, i) differently.
-fn symmetric(mut matrix: Vec<f64>) -> Vec<f64> {
-    let size = matrix.len().isqrt();
-    for i in 0..size {
-        (0..i).for_each(|j| matrix[j * size + i] = matrix[i * size + j]);
-    }
-    matrix
-}
-
 fn centre(mesh: &mesh::Elements, group: &Group) -> [f64; 3] {
     let mut sum = [0.0; 3];
-    for e in &group.elements {
+    for (e, _) in &group.0 {
         let centre = mesh.centre(*e);
-        (0..3).for_each(|axis| sum[axis] += centre[axis] / group.elements.len() as f64);
+        (0..3).for_each(|axis| sum[axis] += centre[axis] / group.0.len() as f64);
     }
     sum
 }
@@ -94,7 +56,7 @@ fn bisect(
     };
     let axis = (0..3).max_by(|a, b| side(*a).total_cmp(&side(*b))).unwrap_or(0);
     members.sort_by(|p, q| centres[*p][axis].total_cmp(&centres[*q][axis]).then(p.cmp(q)));
-    let (left, weight) = (parts / 2, |p: &usize| patches[*p].elements.len());
+    let (left, weight) = (parts / 2, |p: &usize| patches[*p].0.len());
     let goal = members.iter().map(weight).sum::<usize>() * left / parts;
     let mut sum = 0;
     let lighter = members.iter().take_while(|p| {
