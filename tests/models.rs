@@ -5,8 +5,12 @@
 
 #[path = "models/bars.rs"]
 mod bars;
+#[path = "models/governing.rs"]
+mod governing;
 #[path = "models/largest.rs"]
 mod largest;
+#[path = "models/patches.rs"]
+mod patches;
 #[path = "models/refusals.rs"]
 mod refusals;
 #[path = "models/scenes.rs"]

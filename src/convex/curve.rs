@@ -37,11 +37,11 @@ impl Prover {
         }
     }
 
-    /// Bytes of the factor of the whole matrix.
+    /// Bytes of the factors that are held at a time at most.
     pub fn memory(&self) -> usize {
         match self {
             Self::Whole(factorisation) => factorisation.memory(),
-            Self::Patches(_) => 0,
+            Self::Patches(patches) => patches.memory(),
         }
     }
 
@@ -87,6 +87,9 @@ pub struct Effort {
     /// Bytes of one factor.
     pub memory: usize,
 }
+
+/// How closely the excess of a bound by patches is looked for, relative to itself.
+const CLOSELY: f64 = 0.02;
 
 /// f of one pencil, with all that is known about it so far.
 #[derive(Debug)]
@@ -172,24 +175,43 @@ impl Curve {
         Ok(())
     }
 
-    /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M).
+    /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M); of
+    /// patches, which are too high by their nature, how far is then looked for to a part of [`CLOSELY`].
     fn climb(&mut self, start: f64, combination: (f64, f64), step: f64) -> Option<f64> {
-        let (mut step, mut margin) = (step, 0.05 * step / start);
+        let (mut step, mut margin, mut failed) = (step, 0.05 * step / start, 0.0);
+        let mut proven = None;
         // 4^24 > 1e14: from the last digits to the size of the value.
         for _ in 0..24 {
-            let u = start + step;
-            self.effort.proofs += 1;
-            match self.prover.prove(u, combination, margin) {
-                Verdict::Proven => return Some(u),
-                Verdict::Refuted => step *= 4.0,
+            match self.try_to_prove(start + step, combination, margin) {
+                Verdict::Proven => {
+                    proven = Some(start + step);
+                    break;
+                }
+                Verdict::Refuted => (failed, step) = (step, 4.0 * step),
                 Verdict::TooClose(needed) => {
                     margin = 2.0 * needed;
-                    step = step.max(4.0 * margin * start);
+                    (failed, step) = (step, step.max(4.0 * margin * start));
                 }
             }
-            self.effort.failed += 1;
         }
-        None
+        if matches!(self.prover, Prover::Patches(_)) {
+            while proven.is_some() && failed > 0.0 && step > failed * (1.0 + CLOSELY) {
+                let middle = (failed * step).sqrt();
+                if self.try_to_prove(start + middle, combination, margin) == Verdict::Proven {
+                    (proven, step) = (Some(start + middle), middle);
+                } else {
+                    failed = middle;
+                }
+            }
+        }
+        proven
+    }
+
+    pub(super) fn try_to_prove(&mut self, u: f64, combination: (f64, f64), margin: f64) -> Verdict {
+        let verdict = self.prover.prove(u, combination, margin);
+        self.effort.proofs += 1;
+        self.effort.failed += usize::from(verdict != Verdict::Proven);
+        verdict
     }
 
     /// Relative width that an eigenvalue may have.
@@ -274,6 +296,11 @@ impl Curve {
     /// f(0) from below.
     pub fn mesh(&self) -> f64 {
         self.mesh
+    }
+
+    /// What proves.
+    pub fn prover(&self) -> &Prover {
+        &self.prover
     }
 
     /// The upper bound so far.

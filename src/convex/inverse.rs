@@ -94,8 +94,7 @@ impl Curve {
         let mut margin = 0.01 * room;
         // The margin that rounding needs is known after one trial, and hardly changes with itself.
         for _ in 0..3 {
-            self.effort.proofs += 1;
-            match self.prover.prove(l, (1.0, t), margin) {
+            match self.try_to_prove(l, (1.0, t), margin) {
                 Verdict::Proven => {
                     self.upper.add(Point { t, u: l });
                     return true;
@@ -103,7 +102,6 @@ impl Curve {
                 Verdict::Refuted => break,
                 Verdict::TooClose(needed) => margin = 2.0 * needed,
             }
-            self.effort.failed += 1;
         }
         false
     }

@@ -64,6 +64,7 @@ pub mod operator;
 pub mod patches;
 pub mod pencil;
 mod point;
+mod sharing;
 mod start;
 pub mod subspace;
 pub mod upper;

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use super::factor::{Factorisation, TooLarge, Verdict};
 use super::pencil::MeshPencil;
+use super::sharing;
 use crate::error::Refusal;
 use crate::pencil::{Gap, Matrix};
 use crate::sparse::{Csr, SparseVector};
@@ -27,6 +28,12 @@ pub struct ElementMatrices {
     pub mass: Vec<f64>,
 }
 
+/// An element of a patch, and the share of it that is in this patch.
+pub(super) type Member = (usize, f64);
+
+/// The elements and contacts of a patch.
+pub(super) type Group = (Vec<Member>, Vec<Gap>);
+
 /// The elements of a mesh.
 #[derive(Debug, Clone, Default)]
 pub struct Elements {
@@ -39,22 +46,23 @@ pub struct Elements {
 impl Elements {
     /// K and M of n unknowns, assembled; M is kept as a diagonal if every element has one.
     pub fn assemble(&self, n: usize) -> (Matrix, Matrix) {
-        let all: Vec<usize> = (0..self.elements.len()).collect();
+        let all: Vec<Member> = (0..self.elements.len()).map(|e| (e, 1.0)).collect();
         self.assemble_some(&all, n, |unknown| unknown)
     }
 
-    fn assemble_some(&self, which: &[usize], n: usize, local: impl Fn(u32) -> u32) -> (Matrix, Matrix) {
+    fn assemble_some(&self, which: &[Member], n: usize, local: impl Fn(u32) -> u32) -> (Matrix, Matrix) {
         let (mut k, mut m) = (Vec::new(), Vec::new());
-        for (shape, unknowns) in which.iter().map(|e| &self.elements[*e]) {
+        for (e, share) in which {
+            let (shape, unknowns) = &self.elements[*e];
             let (matrices, size) = (&self.shapes[*shape], unknowns.len());
             for (i, row) in unknowns.iter().enumerate() {
                 for (j, column) in unknowns.iter().enumerate() {
                     let (Some(row), Some(column)) = (row, column) else { continue };
                     let (row, column) = (local(*row), local(*column));
                     let at = i * size + j;
-                    k.push((row, column, matrices.stiffness[at]));
+                    k.push((row, column, share * matrices.stiffness[at]));
                     if matrices.mass[at] != 0.0 {
-                        m.push((row, column, matrices.mass[at]));
+                        m.push((row, column, share * matrices.mass[at]));
                     }
                 }
             }
@@ -112,8 +120,9 @@ pub struct Patches {
 }
 
 impl Patches {
-    /// The patches of a mesh: `patch` numbers the patch of each element. Patches that a contact joins, because none of
-    /// them holds all its unknowns, become one.
+    /// The patches of a mesh: `patch` numbers the patch of each element. Two patches that contacts join become one as long as
+    /// that is no more than [`sharing::JOINED`] times as large as the largest was; elsewhere the elements that a contact touches are
+    /// shared out to the patch that takes it.
     ///
     /// # Errors
     /// An unknown without an element, or a patch that is too large to factorise in `memory` bytes.
@@ -123,28 +132,7 @@ impl Patches {
         patch: &[usize],
         memory: usize,
     ) -> Result<Self, Refusal> {
-        let mut holders = holders(elements, patch, pencil.size());
-        if let Some(i) = holders.iter().position(Vec::is_empty) {
-            return Err(Refusal::new(
-                "elements",
-                format!("none at unknown {}", i + 1),
-                "an element at every unknown",
-            ));
-        }
-        let joined = joined(pencil.contacts(), &holders, patch.iter().max().map_or(0, |most| most + 1));
-        holders.iter_mut().for_each(|holders| {
-            holders.iter_mut().for_each(|p| *p = joined[*p]);
-            holders.sort_unstable();
-            holders.dedup();
-        });
-        let mut members: Vec<Vec<usize>> = vec![Vec::new(); joined.len()];
-        patch.iter().enumerate().for_each(|(e, p)| members[joined[*p]].push(e));
-        let mut carried: Vec<Vec<Gap>> = vec![Vec::new(); joined.len()];
-        for contact in pencil.contacts() {
-            share_out(contact, elements, &members, &common(contact, &holders), &mut carried);
-        }
-        let groups: Vec<(Vec<usize>, Vec<Gap>)> =
-            members.into_iter().zip(carried).filter(|(m, _)| !m.is_empty()).collect();
+        let groups = sharing::groups(pencil, elements, patch)?;
         let total = groups.len();
         let mut seen = HashMap::new();
         groups.iter().enumerate().for_each(|(g, group)| {
@@ -161,6 +149,11 @@ impl Patches {
     /// Number of patches, and of those among them that differ.
     pub fn counts(&self) -> (usize, usize) {
         (self.total, self.distinct.len())
+    }
+
+    /// Bytes of the factors of all different patches: no more are held at a time.
+    pub fn memory(&self) -> usize {
+        self.distinct.iter().map(|(_, factorisation)| factorisation.memory()).sum()
     }
 
     /// Unknowns of the largest patch.
@@ -190,92 +183,10 @@ fn worse(one: Verdict, other: Verdict) -> Verdict {
     }
 }
 
-/// The patches at each unknown.
-fn holders(elements: &Elements, patch: &[usize], n: usize) -> Vec<Vec<usize>> {
-    let mut holders: Vec<Vec<usize>> = vec![Vec::new(); n];
-    for ((_, unknowns), p) in elements.elements.iter().zip(patch) {
-        for unknown in unknowns.iter().flatten() {
-            let here = &mut holders[*unknown as usize];
-            if !here.contains(p) {
-                here.push(*p);
-            }
-        }
-    }
-    holders
-}
-
-/// The patches that hold all unknowns of a contact.
-fn common(contact: &Gap, holders: &[Vec<usize>]) -> Vec<usize> {
-    let mut at = contact.column.0.iter().filter(|(_, z)| *z != 0.0).map(|(i, _)| &holders[*i as usize]);
-    let first = at.next().cloned().unwrap_or_default();
-    at.fold(first, |kept, next| kept.into_iter().filter(|p| next.contains(p)).collect())
-}
-
-/// For each patch the number of the patch it becomes part of.
-fn joined(contacts: &[Gap], holders: &[Vec<usize>], count: usize) -> Vec<usize> {
-    let mut parent: Vec<usize> = (0..count).collect();
-    fn root(parent: &[usize], mut p: usize) -> usize {
-        while parent[p] != p {
-            p = parent[p];
-        }
-        p
-    }
-    for contact in contacts {
-        let roots = |parent: &[usize], i: u32| -> Vec<usize> {
-            holders[i as usize].iter().map(|p| root(parent, *p)).collect()
-        };
-        let mut sets = contact.column.0.iter().filter(|(_, z)| *z != 0.0).map(|(i, _)| roots(&parent, *i));
-        let first = sets.next().unwrap_or_default();
-        let held = sets.fold(first, |kept, next| kept.into_iter().filter(|p| next.contains(p)).collect());
-        if held.is_empty() {
-            let firsts: Vec<usize> =
-                contact.column.0.iter().filter_map(|(i, _)| holders[*i as usize].first()).copied().collect();
-            for pair in firsts.windows(2) {
-                let (a, b) = (root(&parent, pair[0]), root(&parent, pair[1]));
-                parent[a.max(b)] = a.min(b);
-            }
-        }
-    }
-    (0..count).map(|p| root(&parent, p)).collect()
-}
-
-/// Gives a contact to the patches that hold it, by the stiffness z'K_p z of their elements.
-fn share_out(
-    contact: &Gap,
-    elements: &Elements,
-    members: &[Vec<usize>],
-    holders: &[usize],
-    carried: &mut [Vec<Gap>],
-) {
-    let weight =
-        |p: &usize| if holders.len() == 1 { 1.0 } else { stiffness_of(contact, elements, &members[*p]) };
-    let weights: Vec<f64> = holders.iter().map(weight).collect();
-    let sum: f64 = weights.iter().sum();
-    for (p, weight) in holders.iter().zip(&weights) {
-        let share = if sum > 0.0 { weight / sum } else { 1.0 / holders.len() as f64 };
-        if share > 0.0 {
-            carried[*p].push(Gap { scale: share * contact.scale, ..contact.clone() });
-        }
-    }
-}
-
-/// z'K_p z.
-fn stiffness_of(contact: &Gap, elements: &Elements, members: &[usize]) -> f64 {
-    let entry = |i: u32| contact.column.0.iter().find(|(at, _)| *at == i).map_or(0.0, |(_, z)| *z);
-    let of = |e: &usize| {
-        let (shape, unknowns) = &elements.elements[*e];
-        let z: Vec<f64> = unknowns.iter().map(|i| i.map_or(0.0, entry)).collect();
-        let k = &elements.shapes[*shape].stiffness;
-        let row = |i: usize| -> f64 { z.iter().zip(&k[i * z.len()..]).map(|(z, k)| k * z).sum() };
-        (0..z.len()).filter(|i| z[*i] != 0.0).map(|i| z[i] * row(i)).sum::<f64>()
-    };
-    members.iter().map(of).sum::<f64>().max(0.0)
-}
-
 /// Unknowns of a patch, numbered in the order in which its elements name them.
-fn numbering(elements: &Elements, members: &[usize]) -> HashMap<u32, u32> {
+fn numbering(elements: &Elements, members: &[Member]) -> HashMap<u32, u32> {
     let mut local = HashMap::new();
-    for unknown in members.iter().flat_map(|e| elements.elements[*e].1.iter().flatten()) {
+    for unknown in members.iter().flat_map(|(e, _)| elements.elements[*e].1.iter().flatten()) {
         let next = local.len() as u32;
         local.entry(*unknown).or_insert(next);
     }
@@ -283,11 +194,12 @@ fn numbering(elements: &Elements, members: &[usize]) -> HashMap<u32, u32> {
 }
 
 /// What two patches have in common exactly when their pencils are identical.
-fn key(elements: &Elements, (members, carried): &(Vec<usize>, Vec<Gap>)) -> Vec<u64> {
+fn key(elements: &Elements, (members, carried): &Group) -> Vec<u64> {
     let local = numbering(elements, members);
     let mut key = Vec::new();
-    for (shape, unknowns) in members.iter().map(|e| &elements.elements[*e]) {
-        key.push(*shape as u64);
+    for (e, share) in members {
+        let (shape, unknowns) = &elements.elements[*e];
+        key.extend([*shape as u64, share.to_bits()]);
         key.extend(unknowns.iter().map(|i| i.map_or(u64::MAX, |i| u64::from(local[&i]))));
     }
     for contact in carried {
@@ -305,7 +217,7 @@ fn key(elements: &Elements, (members, carried): &(Vec<usize>, Vec<Gap>)) -> Vec<
 
 fn build(
     elements: &Elements,
-    (members, carried): &(Vec<usize>, Vec<Gap>),
+    (members, carried): &Group,
     memory: usize,
 ) -> Result<(MeshPencil, Factorisation), Refusal> {
     let local = numbering(elements, members);

@@ -114,6 +114,13 @@ impl Elements {
         std::array::from_fn(|i| places.iter().map(|x| x[i]).sum::<f64>() / places.len() as f64)
     }
 
+    /// The first element that is a translate of element `e`: they have the same matrices.
+    pub fn alike(&self, e: usize) -> usize {
+        let body = self.body(e);
+        let first = self.first[body].1;
+        self.bodies[body].mesh.congruent.map_or(e, |period| first + (e - first) % period)
+    }
+
     /// K_e over the degrees of freedom of element `e`, N/m, and its mass between nodes, kg, the same in each direction:
     /// (1 - gamma) consistent + gamma lumped. Both by rows, held degrees of freedom included.
     ///

@@ -33,9 +33,12 @@ pub mod elasticity;
 pub mod element;
 mod file;
 pub mod gmsh;
+mod partition;
 mod scene;
 pub mod structured;
 pub mod topology;
+mod vtu;
 
 pub use assembly::{Body, Elements, HELD};
 pub use scene::{Assembled, BodySource, Contact, MeshScene, Opponent, Place, SurfaceName};
+pub use vtu::Field;

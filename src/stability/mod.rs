@@ -11,7 +11,9 @@ mod model;
 mod optimal_ratio;
 mod uniform_bar;
 
-pub use any::{AnyModel, AnyScene, Asking, Largest, LimitOf, MeshModel, Plan, Prover};
+pub use any::{
+    AnyModel, AnyScene, Asking, ContactShare, Governing, Largest, LimitOf, MeshModel, Plan, Prover,
+};
 pub use auto::Auto;
 pub use closed_form::ClosedForm;
 pub use contour::{contour, scheme_contour};

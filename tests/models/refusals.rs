@@ -66,7 +66,8 @@ fn what_does_not_apply_is_refused() {
     assert_eq!(place(&rod, Asking { patch: Some(2), ..usual() }), "patch");
     assert_eq!(place(&model, Asking { patch: Some(0), ..usual() }), "patch");
     assert_eq!(place(&model, Asking { tolerance: Some(1e-20), ..usual() }), "tolerance");
-    assert_eq!(place(&model, Asking { memory: Some(10), ..usual() }), "memory of the factorisation");
+    assert_eq!(place(&model, Asking { memory: Some(10), ..usual() }), "memory of a patch");
+    assert_eq!(place(&matrices, Asking { memory: Some(10), ..usual() }), "memory of the factorisation");
     assert_eq!(place(&model, Asking { limit: SchemeName::Park.into(), ..usual() }), "limit");
     assert!(
         model.critical_step(-1.0, 1.0, &usual()).is_err() && model.critical_step(1.0, 0.0, &usual()).is_err()

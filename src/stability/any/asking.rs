@@ -67,6 +67,10 @@ impl Asking {
     /// The width of a map.
     pub const MANY: f64 = 1e-3;
 
+    /// The width that an enclosure by patches may have where no width is asked for: they are too high by what they are too
+    /// small. A step that is not known to a factor of 2 is none; single elements with contact come near that.
+    pub const BY_PATCHES: f64 = 1.0;
+
     /// The width asked for at each of `points` points.
     pub fn width(&self, points: usize) -> f64 {
         self.tolerance.unwrap_or(if points <= FEW_POINTS { Self::FEW } else { Self::MANY })
@@ -99,6 +103,12 @@ pub enum Prover {
     Patches {
         /// Elements along an edge of a patch.
         edge: usize,
+        /// Patches.
+        total: usize,
+        /// Of them those that differ, and are factorised.
+        different: usize,
+        /// Unknowns of the largest.
+        largest: usize,
     },
     /// Nothing: Lanczos from a random start, with a probability of being wrong.
     Chance {

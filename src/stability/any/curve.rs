@@ -2,14 +2,19 @@
 
 use super::asking::Asking;
 use super::mesh::MeshModel;
-use crate::convex::{Asked, Curve, Enclosed};
+use crate::convex::{Asked, Curve, Enclosed, Prover, TooWide};
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::spectrum::{Enclosure, Step, Uncertified};
 use crate::stability::{self, CriticalStep, Grid, MapPoint, model};
 
-/// The engine in records.
-pub(super) const ENGINE: &str = "convex";
+/// The engine in records, by what proves its bounds.
+pub(super) fn engine(prover: &Prover) -> &'static str {
+    match prover {
+        Prover::Whole(_) => "convex",
+        Prover::Patches(_) => "convex-patches",
+    }
+}
 
 /// Of the lower bound that the predictor-corrector has.
 const BOUND: &str = "convex-bound";
@@ -17,11 +22,10 @@ const BOUND: &str = "convex-bound";
 impl MeshModel {
     pub(super) fn map(&self, grid: &Grid, asking: &Asking) -> Result<Vec<stability::Curve>, Refusal> {
         let reference = self.reference()?;
-        let steps = match asking.limit.scheme() {
+        let (steps, engine) = match asking.limit.scheme() {
             None => self.spectrum(grid, asking, reference)?,
-            Some(_) => self.predictor_corrector(grid, asking, reference)?,
+            Some(_) => (self.predictor_corrector(grid, asking, reference)?, BOUND),
         };
-        let engine = if asking.limit.scheme().is_none() { ENGINE } else { BOUND };
         let mut steps = steps.into_iter();
         let mut curve = |ratio: &Ratio| {
             let steps = steps.by_ref().take(grid.stiffness_penalties.len());
@@ -41,37 +45,27 @@ impl MeshModel {
         grid: &Grid,
         asking: &Asking,
         reference: f64,
-    ) -> Result<Vec<Result<Step, Uncertified>>, Refusal> {
+    ) -> Result<(Steps, &'static str), Refusal> {
         let asked: Vec<Asked> = pairs(grid).map(|(r, b)| Asked::of(b.get(), r.get(), reference)).collect();
         self.with_curve(asking, |curve| {
             let found = curve.enclose_to(&asked, asking.width(asked.len()));
-            Ok(found
-                .into_iter()
-                .map(|found| match found {
-                    Ok(enclosed) => Ok(Step::proven(enclosure(enclosed))),
-                    Err(wide) => Err(uncertified(wide.enclosed)),
-                })
-                .collect())
+            let steps = found.into_iter().map(|found| step(found, asking, curve.prover())).collect();
+            Ok((steps, engine(curve.prover())))
         })
     }
 
     /// dt^2 = 1/(r omega^2) + 1/(beta_s l_max(P, M)), no more than the contact-free limit.
-    fn predictor_corrector(
-        &self,
-        grid: &Grid,
-        asking: &Asking,
-        reference: f64,
-    ) -> Result<Vec<Result<Step, Uncertified>>, Refusal> {
+    fn predictor_corrector(&self, grid: &Grid, asking: &Asking, reference: f64) -> Result<Steps, Refusal> {
         let width = asking.width(grid.len());
         self.with_curve(asking, |curve| {
-            let free = match curve.enclose_to(&[Asked { stiffness: 0.0, mass: 0.0 }], width)[..] {
-                [Ok(free)] => free,
-                [Err(wide), ..] => return Ok(pairs(grid).map(|_| Err(uncertified(wide.enclosed))).collect()),
-                _ => return Ok(Vec::new()),
+            let found = curve.enclose_to(&[Asked { stiffness: 0.0, mass: 0.0 }], width);
+            let free = found.into_iter().map(|found| step(found, asking, curve.prover())).next();
+            let at = |(r, b): (Ratio, StiffnessPenalty)| match free {
+                Some(Ok(free)) => Ok(bound(curve, free.l, reference, r.get(), b.get())),
+                Some(Err(wide)) => Err(wide),
+                None => Err(Uncertified { value: f64::NAN, width: f64::INFINITY }),
             };
-            let step =
-                |(r, b): (Ratio, StiffnessPenalty)| Ok(bound(curve, free, reference, r.get(), b.get()));
-            Ok(pairs(grid).map(step).collect())
+            Ok(pairs(grid).map(at).collect())
         })
     }
 }
@@ -82,15 +76,36 @@ fn pairs(grid: &Grid) -> impl Iterator<Item = (Ratio, StiffnessPenalty)> + '_ {
 }
 
 /// The step of the sufficient half, stable for any contacts; sharp where they are alike.
-fn bound(curve: &Curve, free: Enclosed, reference: f64, ratio: f64, beta_s: f64) -> Step {
+fn bound(curve: &Curve, free: Enclosure, reference: f64, ratio: f64, beta_s: f64) -> Step {
     let own = beta_s * curve.upper().slope();
     if own == 0.0 {
-        return Step::proven(enclosure(free));
+        return Step::proven(free);
     }
     // Six roundings, of positive terms.
     let contact = 4.0 / (1.0 / own + 1.0 / (ratio * reference)) * (1.0 + 4.0 * f64::EPSILON);
-    let Enclosed { lower, upper } = free;
+    let Enclosure { lower, upper, .. } = free;
     Step::at_least(Enclosure { value: lower.max(contact), lower, upper: upper.max(contact) })
+}
+
+/// Points, ratio by ratio.
+type Steps = Vec<Result<Step, Uncertified>>;
+
+/// What was found, if it is as narrow as asked; of patches any proof is good where nothing was asked.
+pub(super) fn step(
+    found: Result<Enclosed, TooWide>,
+    asking: &Asking,
+    prover: &Prover,
+) -> Result<Step, Uncertified> {
+    let enclosed = match (found, prover) {
+        (Ok(enclosed), _) => enclosed,
+        (Err(TooWide { enclosed, .. }), Prover::Patches(_))
+            if asking.tolerance.is_none() && enclosed.step_width() <= Asking::BY_PATCHES =>
+        {
+            enclosed
+        }
+        (Err(wide), _) => return Err(uncertified(wide.enclosed)),
+    };
+    Ok(Step::proven(enclosure(enclosed)))
 }
 
 /// The lower bound is the value: a Ritz value, which errs by far less than the proof above it.

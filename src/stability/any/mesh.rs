@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::asking::{Asking, LimitOf, Plan, Prover};
+use super::asking::{Asking, LimitOf, Plan};
 use crate::convex::{self, Curve, MeshPencil, Options, Start};
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
@@ -192,7 +192,7 @@ impl MeshModel {
     }
 
     /// Bytes that one factor may take.
-    fn allowed(asking: &Asking) -> usize {
+    pub(super) fn allowed(asking: &Asking) -> usize {
         usize::try_from(asking.memory.unwrap_or_else(memory::available)).unwrap_or(usize::MAX)
     }
 
@@ -207,7 +207,7 @@ impl MeshModel {
             Some((_, curve)) => curve,
             None => {
                 let start = self.start(&mut known, asking)?.clone();
-                Curve::begin(start, self.prover(asking)?, Self::options(asking))?
+                Curve::begin(start, self.prover(asking)?.0, Self::options(asking))?
             }
         };
         let (_, curve) = known.curve.insert((asking.patch, curve));
@@ -231,12 +231,8 @@ impl MeshModel {
         Options { memory: Self::allowed(asking), ..Options::default() }
     }
 
-    fn prover(&self, asking: &Asking) -> Result<convex::Prover, Refusal> {
-        convex::Prover::whole(&self.pencil, Self::allowed(asking))
-    }
-
     pub(super) fn plan(&self, points: usize, asking: &Asking) -> Result<Plan, Refusal> {
-        let prover = self.prover(asking)?;
+        let (prover, named) = self.prover(asking)?;
         let contacts = self.pencil.contacts().len();
         let width = asking.width(points);
         // A map takes as many proofs as chords between proven points need, which is as 1/sqrt(width): 10, 24, 69 and 231 on
@@ -251,9 +247,9 @@ impl MeshModel {
             elements: self.elements(),
             points,
             tolerance: Some(width),
-            engine: super::curve::ENGINE,
+            engine: super::curve::engine(&prover),
             memory: Some(self.bytes(&prover)),
-            prover: Some(describe(&prover)),
+            prover: Some(named),
             eigenproblems,
             proofs,
         })
@@ -273,11 +269,4 @@ impl MeshModel {
 
 fn csr_bytes(matrix: &Csr) -> usize {
     12 * matrix.len() + 8 * matrix.rows()
-}
-
-fn describe(prover: &convex::Prover) -> Prover {
-    match prover {
-        convex::Prover::Whole(_) => Prover::Factorisation,
-        convex::Prover::Patches(_) => Prover::Patches { edge: 0 },
-    }
 }

@@ -28,12 +28,15 @@
 
 mod asking;
 mod curve;
+mod governing;
 mod largest;
 mod mesh;
 mod optimal;
+mod prover;
 mod scene;
 
 pub use asking::{Asking, LimitOf, Plan, Prover};
+pub use governing::{ContactShare, Governing};
 pub use largest::Largest;
 pub use mesh::MeshModel;
 pub use scene::AnyScene;

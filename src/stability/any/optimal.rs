@@ -1,12 +1,13 @@
 //! The largest ratio that costs no step against the contact-free model, and lines of one step in the plane (beta_s, r).
 
 use super::asking::Asking;
+use super::curve::step;
 use super::mesh::MeshModel;
 use super::{AnyModel, with_limit};
-use crate::convex::{Asked, Enclosed};
+use crate::convex::Asked;
 use crate::error::{Error, Refusal, Result};
 use crate::penalty::StiffnessPenalty;
-use crate::spectrum::Uncertified;
+use crate::spectrum::{Enclosure, Uncertified};
 use crate::stability::contour::{explicit, on_line};
 use crate::stability::{
     Expectation, OptimalRatio, contour, optimal_ratio, optimal_scheme_ratio, scheme_contour,
@@ -79,14 +80,13 @@ impl AnyModel {
 
 impl MeshModel {
     /// The contact-free l_max, as closely as asked for one point.
-    fn free(&self, asking: &Asking) -> Result<Enclosed> {
+    fn free(&self, asking: &Asking) -> Result<Enclosure> {
         let found = self.with_curve(asking, |curve| {
-            Ok(curve.enclose_to(&[Asked { stiffness: 0.0, mass: 0.0 }], asking.width(1)))
+            let found = curve.enclose_to(&[Asked { stiffness: 0.0, mass: 0.0 }], asking.width(1));
+            Ok(found.into_iter().map(|found| step(found, asking, curve.prover())).next())
         })?;
-        match found.into_iter().next() {
-            Some(found) => Ok(found?),
-            None => Err(Uncertified { value: f64::NAN, width: f64::INFINITY }.into()),
-        }
+        let none = Uncertified { value: f64::NAN, width: f64::INFINITY };
+        Ok(found.unwrap_or(Err(none)).map(|step| step.l)?)
     }
 
     fn optimal_ratio(&self, beta_s: StiffnessPenalty, asking: &Asking) -> Result<Option<OptimalRatio>> {
