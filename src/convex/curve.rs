@@ -11,6 +11,7 @@ use super::subspace::{Line, Subspace};
 use super::upper::{Point, Upper};
 use super::vectors::dot;
 use crate::error::Refusal;
+use crate::interrupt;
 
 /// What proves that u M - a K - t P is semidefinite.
 #[derive(Debug)]
@@ -46,6 +47,7 @@ impl Prover {
     }
 
     pub(super) fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64) -> Verdict {
+        interrupt::look();
         match self {
             Self::Whole(factorisation) => factorisation.prove(u, a, t, margin),
             Self::Patches(patches) => patches.prove(u, a, t, margin),

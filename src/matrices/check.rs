@@ -44,10 +44,7 @@ fn symmetric(file: &Entries) -> Result<Csr, Refusal> {
 ///
 /// # Errors
 /// Entries that differ from their mirror by more than rounding.
-pub(super) fn symmetrised(
-    read: &Csr,
-    place: impl Fn(u32, u32) -> String,
-) -> Result<Option<Csr>, Refusal> {
+pub(super) fn symmetrised(read: &Csr, place: impl Fn(u32, u32) -> String) -> Result<Option<Csr>, Refusal> {
     let differs = |row: usize| {
         let (columns, values) = read.row(row);
         columns.iter().zip(values).any(|(column, value)| read.get(*column as usize, row) != *value)
