@@ -101,6 +101,7 @@ pub mod convex;
 pub mod error;
 pub mod fem;
 pub mod impact;
+pub mod interrupt;
 pub mod matrices;
 pub mod memory;
 pub mod mesh;

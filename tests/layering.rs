@@ -8,16 +8,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 16] = [
+const MAY_NAME: [(&str, &[&str]); 17] = [
     ("error", &[]),
     ("memory", &["error"]),
+    ("interrupt", &[]),
     ("scene", &["error"]),
     ("fem", &["error", "scene", "sparse", "pencil"]),
     ("pencil", &["error", "sparse"]),
     ("sparse", &[]),
     ("mesh", &["error", "memory", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),
-    ("convex", &["error", "sparse", "pencil"]),
+    ("convex", &["error", "interrupt", "sparse", "pencil"]),
     ("parts", &["error", "memory", "fem", "sparse", "pencil", "mesh", "convex"]),
     ("penalty", &["error", "pencil"]),
     ("spectrum", &["error", "sparse", "pencil"]),
@@ -30,7 +31,21 @@ const MAY_NAME: [(&str, &[&str]); 16] = [
     ),
     ("schemes", &["error", "sparse", "pencil", "spectrum"]),
     ("impact", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "stability"]),
-    ("verify", &["error", "scene", "fem", "pencil", "penalty", "spectrum", "stability", "schemes", "impact"]),
+    (
+        "verify",
+        &[
+            "error",
+            "interrupt",
+            "scene",
+            "fem",
+            "pencil",
+            "penalty",
+            "spectrum",
+            "stability",
+            "schemes",
+            "impact",
+        ],
+    ),
 ];
 
 /// Files may not be longer.

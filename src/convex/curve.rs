@@ -9,6 +9,7 @@ use super::span::Line;
 use super::start::{self, Start};
 use super::upper::{Point, Upper};
 use crate::error::Refusal;
+use crate::interrupt;
 
 /// What proves that u M - a K - t P is semidefinite.
 #[derive(Debug)]
@@ -44,6 +45,7 @@ impl Prover {
     }
 
     pub(super) fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64) -> Verdict {
+        interrupt::look();
         match self {
             Self::Whole(factorisation) => factorisation.prove(u, a, t, margin),
             Self::Patches(patches) => patches.prove(u, a, t, margin),

@@ -7,6 +7,7 @@ use super::factor::MassFactor;
 use super::pencil::MeshPencil;
 use super::vectors::{dot, scale};
 use crate::error::Refusal;
+use crate::interrupt;
 
 /// The pencil with a way to apply M^-1: by its diagonal, or by a sparse Cholesky factor of M.
 ///
@@ -54,6 +55,7 @@ impl Operator {
 
     /// y = (a K + t P) x.
     pub(super) fn multiply(&self, (a, t): (f64, f64), x: &[f64], y: &mut [f64]) {
+        interrupt::look();
         self.count();
         self.pencil.multiply(a, t, x, y);
     }

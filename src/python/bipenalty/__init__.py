@@ -16,10 +16,12 @@ many as the environment variable ``RAYON_NUM_THREADS`` says when the first of th
 
 from ._bipenalty import Uncertified, __version__
 from ._model import Model
-from ._results import CriticalStep, Impact, Largest, OptimalRatio, StabilityMap, SteppedLimit
+from ._results import ContactShare, CriticalStep, Governing, Impact, Largest, OptimalRatio, StabilityMap, SteppedLimit
 
 __all__ = [
+    "ContactShare",
     "CriticalStep",
+    "Governing",
     "Impact",
     "Largest",
     "Model",

@@ -11,7 +11,7 @@ import numpy as np
 from . import _matrices
 from ._bipenalty import Core
 from ._progress import Progress, callback
-from ._results import CriticalStep, Impact, Largest, OptimalRatio, StabilityMap, SteppedLimit
+from ._results import ContactShare, CriticalStep, Governing, Impact, Largest, OptimalRatio, StabilityMap, SteppedLimit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -298,6 +298,14 @@ class Model:
             )
         return Largest(*found)
 
+    def governs(self, beta_s: float, ratio: float = np.inf, *, tolerance: float | None = None) -> Governing:
+        """Find who governs the step of the spectrum at one point: contacts, bodies, elements, and the mode."""
+        energy, contacts, bodies, elements, mode = self._core.governs(
+            beta_s, ratio, ("spectrum", None, "auto", tolerance)
+        )
+        named = [ContactShare(*contact) for contact in contacts]
+        return Governing(energy, named, dict(bodies), dict(elements), mode, beta_s, ratio)
+
     def verify(
         self,
         beta_s: float,
@@ -305,12 +313,13 @@ class Model:
         *,
         scheme: str = "central-difference",
         theta: float | None = None,
-        tolerance: float = 1e-3,
+        tolerance: float | None = None,
     ) -> SteppedLimit:
         """Find the limit of a scheme by stepping alone, contacts held closed.
 
         `tolerance` is the relative distance of the stable from the unstable step, in [1e-12, 0.1]; the number of steps
-        grows with its inverse, or the root of it for central differences.
+        grows with its inverse, or the root of that for central differences. By default it is 1e-4, and 1e-6 for
+        central differences.
         """
         seconds, steps, growth, agrees = self._core.verify(beta_s, ratio, scheme, theta, tolerance)
         predicted, stable, unstable = seconds

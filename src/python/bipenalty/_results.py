@@ -160,6 +160,49 @@ class Largest(float):
 
 
 @dataclass(frozen=True)
+class ContactShare:
+    """A contact and its part in the critical mode."""
+
+    contact: int
+    """Its number, from 0: the column of Z."""
+    share: float
+    """Its part of what all contacts hold, 0 to 1."""
+    place: str | None
+    """Where it is, where there is a mesh."""
+
+    def __repr__(self) -> str:
+        """Answer in a line."""
+        return f"contact {self.contact}{f' {self.place}' if self.place else ''}: {100 * self.share:.1f} %"
+
+
+@dataclass(frozen=True, eq=False)
+class Governing:
+    """What governs a step: where the critical mode has its energy."""
+
+    contact_energy: float
+    """Part of the elastic energy that is in the contacts, 0 to 1."""
+    contacts: list[ContactShare]
+    """All contacts, the largest part first; empty where the mode moves no gap."""
+    bodies: dict[str, float]
+    """The part of each body in the kinetic energy; empty for matrices and bars."""
+    elements: dict[int, float]
+    """The ten elements with the largest parts of the strain energy; empty for matrices and bars."""
+    mode: NDArray[np.float64]
+    """[n], the critical mode x, with x'Mx = 1."""
+    beta_s: float
+    """Stiffness penalty, dimensionless."""
+    ratio: float
+    """Penalty ratio r."""
+
+    def __repr__(self) -> str:
+        """Answer in a few lines."""
+        shown = "".join(f"\n  {contact!r}" for contact in self.contacts[:5])
+        more = f"\n  and {len(self.contacts) - 5} more" if len(self.contacts) > 5 else ""
+        held = f"{100 * self.contact_energy:.1f} % of the elastic energy is in the contacts"
+        return f"{held}, for {_penalty(self.beta_s, self.ratio)}{shown}{more}"
+
+
+@dataclass(frozen=True)
 class SteppedLimit:
     """A limit that was found by stepping in time alone, beside the predicted one."""
 

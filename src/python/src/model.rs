@@ -8,13 +8,14 @@ use bipenalty::impact::Run;
 use bipenalty::matrices::{Matrices, Reference};
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::Matrix;
-use bipenalty::schemes::{Scheme, SchemeName};
+use bipenalty::schemes::{Onset, Scheme, SchemeName};
 use bipenalty::spectrum::{Engine as _, Evidence, Step};
 use bipenalty::stability::{
-    AnyModel, AnyScene, Asking, Auto, Axis, CriticalStep, EngineName, Grid, MapPoint, MeshModel, Model,
+    AnyModel, AnyScene, Asking, Auto, Axis, ContactShare, CriticalStep, EngineName, Grid, MapPoint,
+    MeshModel, Model,
 };
 use bipenalty::verify::{Point, Predictor, confirm};
-use numpy::{IntoPyArray as _, PyArray2, PyArrayMethods as _, PyReadonlyArray1};
+use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -40,6 +41,15 @@ pub struct Core {
 
 /// A step and its enclosure, s; the same as Courant numbers; omega_max, rad/s; evidence; engine.
 type StepTuple = ([f64; 3], [f64; 3], f64, String, &'static str);
+
+/// Part in the contacts; contacts, bodies and elements with their parts; mode.
+type GovernsTuple<'py> = (
+    f64,
+    Vec<(usize, f64, Option<String>)>,
+    Vec<(String, f64)>,
+    Vec<(usize, f64)>,
+    Bound<'py, PyArray1<f64>>,
+);
 
 impl Core {
     fn new(model: AnyModel) -> Self {
@@ -265,6 +275,26 @@ impl Core {
         Ok(long(py, 1, None, find)?.map_err(failed)?.map(|found| [found.value, found.lower, found.upper]))
     }
 
+    /// Who governs the step of the spectrum: the part of the contacts in the elastic energy, the contacts with their parts
+    /// and places, the bodies and the elements with theirs, and the mode.
+    fn governs<'py>(
+        &self,
+        py: Python<'py>,
+        beta_s: f64,
+        ratio: f64,
+        asked: Asked,
+    ) -> PyResult<GovernsTuple<'py>> {
+        let (asking, model) = (asked.asking()?, self.model()?);
+        let find = move |_: &Watch| model.governs(beta_s, ratio, &asking);
+        let found = long(py, 1, None, find)?.map_err(failed)?;
+        let contact = |contact: ContactShare| {
+            (contact.contact, contact.share, contact.place.map(|place| place.to_string()))
+        };
+        let contacts = found.contacts.into_iter().map(contact).collect();
+        let mode = found.mode.into_pyarray(py);
+        Ok((found.contact_energy, contacts, found.bodies, found.elements, mode))
+    }
+
     /// (predicted, stable_at, unstable_at) s, steps, growth, agrees.
     #[pyo3(signature = (beta_s, ratio, scheme, theta, tolerance))]
     fn verify(
@@ -274,10 +304,13 @@ impl Core {
         ratio: f64,
         scheme: &str,
         theta: Option<f64>,
-        tolerance: f64,
+        tolerance: Option<f64>,
     ) -> PyResult<([f64; 3], u64, f64, Option<bool>)> {
         let model = self.bars("verify")?.clone();
         let scheme = scheme_of(scheme, theta).map_err(refused)?;
+        // As verify-limits has them: trials of some 1e4 and 1e6 steps.
+        let usual = if scheme.facts().onset == Onset::SquareRoot { 1e-6 } else { 1e-4 };
+        let tolerance = tolerance.unwrap_or(usual);
         let stiffness_penalty = StiffnessPenalty::new(beta_s).map_err(refused)?;
         let point = Point { stiffness_penalty, ratio: Ratio::new(ratio).map_err(refused)? };
         let find = move |_: &Watch| {

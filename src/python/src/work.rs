@@ -3,11 +3,13 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use bipenalty::interrupt;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -26,9 +28,14 @@ pub struct Watch {
 struct Stopped;
 
 impl Watch {
-    /// `more` parts are finished. Ends the computation if it should.
+    /// `more` parts are finished.
     pub fn add(&self, more: usize) {
         self.done.fetch_add(more, Ordering::Relaxed);
+        self.look();
+    }
+
+    /// Ends the computation if it should.
+    fn look(&self) {
         if self.stop.load(Ordering::Relaxed) {
             // Caught where the computation began; no message is printed.
             resume_unwind(Box::new(Stopped));
@@ -78,7 +85,10 @@ pub fn long<T: Send + 'static>(
     let watch = Arc::new(Watch::default());
     let watched = Arc::clone(&watch);
     pool()?.spawn(move || {
-        let result = catch_unwind(AssertUnwindSafe(|| work(&watched)));
+        let looking = Arc::clone(&watched);
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            interrupt::watched(Rc::new(move || looking.look()), || work(&watched))
+        }));
         // Nobody waits any more after Ctrl-C.
         let _ = sender.send(result);
     });

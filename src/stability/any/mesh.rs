@@ -203,15 +203,17 @@ impl MeshModel {
         use_it: impl FnOnce(&mut Curve) -> Result<R, Refusal>,
     ) -> Result<R, Refusal> {
         let mut known = self.known();
-        let curve = match known.curve.take().filter(|(patch, _)| *patch == asking.patch) {
+        let mut curve = match known.curve.take().filter(|(patch, _)| *patch == asking.patch) {
             Some((_, curve)) => curve,
             None => {
                 let start = self.start(&mut known, asking)?.clone();
                 Curve::begin(start, self.prover(asking)?.0, Self::options(asking))?
             }
         };
-        let (_, curve) = known.curve.insert((asking.patch, curve));
-        use_it(curve)
+        // A curve that was interrupted is not kept.
+        let used = use_it(&mut curve);
+        known.curve = Some((asking.patch, curve));
+        used
     }
 
     fn known(&self) -> MutexGuard<'_, Known> {
