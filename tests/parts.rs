@@ -163,7 +163,7 @@ fn whole(scene: &MeshScene, mass: MassMatrix) -> MeshPencil {
 
 fn parts(scene: &MeshScene, mass: MassMatrix, count: usize, edge: usize) -> Vec<Part> {
     let ready = |share: Share| Part::new(share, 1 << 30).unwrap();
-    split(scene, mass, count, edge).unwrap().into_iter().map(ready).collect()
+    split(scene, mass, count, edge).unwrap().0.into_iter().map(ready).collect()
 }
 
 const RATIOS: [f64; 4] = [0.3, 1.0, 4.0, f64::INFINITY];
@@ -205,7 +205,7 @@ fn one_part_or_several_enclose_the_same_map() {
     for (cells, mass) in [("[12, 4]", MassMatrix::LUMPED), ("[10, 3]", MassMatrix::CONSISTENT)] {
         let scene = scene(cells);
         let whole = whole(&scene, mass);
-        let tolerance = 0.02;
+        let tolerance = 0.03;
         let maps: Vec<Finished> = [1, 2, 3]
             .map(|count| enclose(&whole, &mut parts(&scene, mass, count, 4), &points(), tolerance))
             .into();
@@ -220,23 +220,26 @@ fn one_part_or_several_enclose_the_same_map() {
                     found.lower <= exact.upper && exact.lower <= found.upper,
                     "{asked:?} {found:?} {exact:?}"
                 );
-                assert!(found.step_width() <= tolerance, "{asked:?}: {found:?}, {exact:?}");
-                let first = maps[0].points[asked_at(&points(), asked, map.mesh)];
-                assert!((found.lower / first.lower - 1.0).abs() < 2.0 * tolerance);
+                // Where nodes meet nodes; elsewhere patches of four elements are higher.
+                let wide = if cells == "[12, 4]" { tolerance } else { 0.3 };
+                assert!(found.step_width() <= wide, "{asked:?}: {found:?}, {exact:?}");
             }
         }
+        // The same vectors and the same patches: the same map, but for the order of sums.
+        for (map, (found, first)) in
+            maps.iter().flat_map(|map| map.points.iter().zip(&maps[0].points)).enumerate()
+        {
+            assert!((found.lower / first.lower - 1.0).abs() < 1e-6, "{map}: {found:?} {first:?}");
+            assert!((found.upper / first.upper - 1.0).abs() < 1e-6, "{map}: {found:?} {first:?}");
+        }
     }
-}
-
-fn asked_at(points: &[(f64, f64)], asked: &Asked, mesh: f64) -> usize {
-    points.iter().position(|(b, r)| Asked::of(*b, *r, mesh) == *asked).unwrap()
 }
 
 #[test]
 fn what_does_not_fit_is_refused() {
     let scene = scene("[12, 4]");
     assert!(split(&scene, MassMatrix::LUMPED, 1000, 3).unwrap_err().to_string().contains("parts"));
-    let share = split(&scene, MassMatrix::LUMPED, 2, 3).unwrap().swap_remove(0);
+    let share = split(&scene, MassMatrix::LUMPED, 2, 3).unwrap().0.swap_remove(0);
     let spoilt: [fn(&mut Share); 6] = [
         |s| s.unknowns.swap(0, 1),
         |s| s.patch.truncate(1),
@@ -251,7 +254,7 @@ fn what_does_not_fit_is_refused() {
         assert!(Part::new(share, 1 << 30).is_err());
     }
     // Patches whose contacts were not shared out yet do it themselves.
-    let alone = Share { carrier: None, ..split(&scene, MassMatrix::LUMPED, 1, 3).unwrap().swap_remove(0) };
+    let alone = Share { carrier: None, ..split(&scene, MassMatrix::LUMPED, 1, 3).unwrap().0.swap_remove(0) };
     assert!(Part::new(alone, 1 << 30).unwrap().patches().0 > 1);
 }
 

@@ -25,8 +25,9 @@
 //! surfaces = ["block.bottom", "wall"]
 //! "#;
 //! let scene = MeshScene::parse(text, "block.toml")?;
-//! let shares = split(&scene, MassMatrix::LUMPED, 2, 4)?;
+//! let (shares, elements) = split(&scene, MassMatrix::LUMPED, 2, 4)?;
 //! let parts = shares.into_iter().map(|share| Part::new(share, 1 << 30)).collect::<Result<Vec<_>, _>>()?;
+//! assert_eq!((parts.len(), elements), (2, 32));
 //! assert!(parts.iter().all(|part| part.pencil().size() < 90 && part.patches().0 == 1));
 //! # Ok::<(), bipenalty::error::Error>(())
 //! ```

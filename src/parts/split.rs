@@ -8,11 +8,11 @@ use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
 use crate::mesh::{self, MeshScene};
 
-/// Cuts a scene into `parts`, out of patches with about `edge` elements along an edge.
+/// Cuts a scene into `parts`, out of patches with about `edge` elements along an edge; and how many elements it has.
 ///
 /// # Errors
 /// What [`MeshScene::assemble`] refuses; fewer patches than parts.
-pub fn split(scene: &MeshScene, mass: MassMatrix, parts: usize, edge: usize) -> Result<Vec<Share>> {
+pub fn split(scene: &MeshScene, mass: MassMatrix, parts: usize, edge: usize) -> Result<(Vec<Share>, usize)> {
     let assembled = scene.assemble(mass)?;
     let (elements, n) = (elements(&assembled.elements)?, assembled.stiffness.rows());
     let patch = assembled.elements.patches(edge.max(1));
@@ -27,7 +27,8 @@ pub fn split(scene: &MeshScene, mass: MassMatrix, parts: usize, edge: usize) -> 
     bisect((0..patches.len()).collect(), parts, &patches, &centres, &mut |members| {
         chosen.push(members.iter().map(|p| &patches[*p]).collect());
     });
-    Ok(chosen.iter().map(|chosen| Share::of(&elements, chosen)).collect())
+    let shares = chosen.iter().map(|chosen| Share::of(&elements, chosen)).collect();
+    Ok((shares, assembled.elements.len()))
 }
 
 fn centre(mesh: &mesh::Elements, group: &Group) -> [f64; 3] {

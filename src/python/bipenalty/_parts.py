@@ -24,6 +24,7 @@ So K is the sum of the elements of all parts, and P = sum_j w_j z_j z_j' the sum
 from __future__ import annotations
 
 import json
+import math
 import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -35,6 +36,8 @@ from ._bipenalty import split
 from ._toml import tomllib
 
 if TYPE_CHECKING:
+    import argparse
+
     from numpy.typing import NDArray
 
     Lists = dict[str, NDArray[Any]]
@@ -51,10 +54,19 @@ class Facts:
     parts: int
 
 
-def cut(scene: str, mass: str, gamma: float, parts: int, edge: int) -> tuple[Facts, list[Lists]]:
-    """Cut the scene of a file, or of text, into parts of patches with about `edge` elements along an edge."""
-    is_text = "\n" in scene
-    text = scene if is_text else Path(scene).read_text(encoding="utf-8")
+def patch_edge(tolerance: float, dimension: int) -> int:
+    """Elements along an edge of a patch.
+
+    Free patches of m squares along an edge are too high by 0.6 % of l at m = 8, which falls as m^-2.6; of cubes by 0.19 % at m = 6
+    and 0.035 % at m = 8. The step errs by half, and half of its width is left for the vectors and the chords.
+    """
+    edge = 8.0 * (6e-3 / tolerance) ** (1 / 2.6) if dimension == 2 else 6.0 * (1.9e-3 / tolerance) ** (1 / 4)
+    return max(4, math.ceil(edge))
+
+
+def cut(options: argparse.Namespace, parts: int) -> tuple[Facts, list[Lists]]:
+    """Cut the scene of a file into parts, out of patches of the size asked for."""
+    text = Path(options.scene).read_text(encoding="utf-8")
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError:
@@ -62,8 +74,9 @@ def cut(scene: str, mass: str, gamma: float, parts: int, edge: int) -> tuple[Fac
     for table, instead in (("bar", "stability-map, which has them in closed form"), ("matrices", "a folder of parts")):
         if table in tables:
             raise ValueError(f"scene {tables.get('name')}: [{table}] is not allowed; allowed: [[body]], or {instead}")
-    lists, elements = split(text, "scene.toml" if is_text else scene, gamma, parts, edge)
-    return Facts(str(tables.get("name")), mass, gamma, elements, parts), lists
+    edge = options.patch or patch_edge(options.tolerance, 2 if tables.get("dimension") == 2 else 3)
+    lists, elements = split(text, options.scene, options.gamma, parts, edge)
+    return Facts(str(tables.get("name")), options.mass, options.gamma, elements, parts), lists
 
 
 def write(folder: Path, facts: Facts, lists: list[Lists]) -> None:

@@ -77,8 +77,6 @@ def _checked(options: argparse.Namespace) -> argparse.Namespace:
     options.gamma = _gamma(options.mass)
     if not 1e-13 <= options.tolerance <= 1.0:
         raise Refused(f"--tolerance: {options.tolerance} is not allowed; allowed: a number from 1e-13 to 1")
-    if options.patch is None:
-        options.patch = patch_edge(options.tolerance)
     for name, least in (("patch", 1), ("split", 1)):
         value = getattr(options, name)
         if value is not None and value < least:
@@ -95,15 +93,6 @@ def _checked(options: argparse.Namespace) -> argparse.Namespace:
             raise Refused(f"{option}: {wrong[0]} is not allowed; allowed: {'at least 0, finite' if name == 'beta_s' else 'above 0'}")
         setattr(options, name, values)
     return options
-
-
-def patch_edge(tolerance: float) -> int:
-    """Elements along an edge of a patch.
-
-    With contact, m elements are too high by 0.23 % of l at m = 8 and 0.08 % at m = 12, which is as m^-2.6 (two lumped blocks,
-    the worst t); the step errs by half, and half of the width is left for the vectors and the chords.
-    """
-    return max(4, math.ceil(8.0 * (2.3e-3 / tolerance) ** (1 / 2.6)))
 
 
 def enclose(
@@ -211,7 +200,7 @@ def _part(comm: MPI.Comm, options: argparse.Namespace) -> tuple[_parts.Facts, Pa
                 if facts.parts != comm.size:
                     wrong = f"{folder}: {facts.parts} parts for {comm.size} processes is not allowed; allowed: as many"
             else:
-                facts, lists = _parts.cut(options.scene, options.mass, options.gamma, comm.size, options.patch)
+                facts, lists = _parts.cut(options, comm.size)
         except (ValueError, OSError) as error:
             wrong = str(error)
     facts, wrong = comm.bcast((facts, wrong))
@@ -266,7 +255,7 @@ def run(comm: MPI.Comm, arguments: Sequence[str]) -> int:
         wrong = None
         if comm.rank == 0:
             try:
-                facts, lists = _parts.cut(options.scene, options.mass, options.gamma, options.split, options.patch)
+                facts, lists = _parts.cut(options, options.split)
                 _parts.write(options.out, facts, lists)
                 told(f"{facts.parts} parts of {facts.elements} elements: {options.out}")
             except (ValueError, OSError) as error:

@@ -41,8 +41,7 @@ pub fn split<'py>(
 ) -> PyResult<(Vec<Bound<'py, PyDict>>, usize)> {
     let mass = MassMatrix::new(gamma).map_err(refused)?;
     let scene = MeshScene::parse(text, path).map_err(failed)?;
-    let shares = py.detach(|| parts::split(&scene, mass, parts, edge)).map_err(failed)?;
-    let elements = shares.iter().map(|share| share.elements.elements.len()).sum();
+    let (shares, elements) = py.detach(|| parts::split(&scene, mass, parts, edge)).map_err(failed)?;
     Ok((shares.iter().map(|share| listed(py, share)).collect::<PyResult<_>>()?, elements))
 }
 
