@@ -14,6 +14,8 @@ _Asked: TypeAlias = tuple[str, float | None, str, float | None]
 _Rows: TypeAlias = tuple[tuple[int, int], NDArray[np.int64], NDArray[np.uint32], _Floats]
 _OwnRows: TypeAlias = tuple[NDArray[np.int64], NDArray[np.int64], _Floats, tuple[int, int]]
 
+__all__ = ["Core", "Map", "Uncertified", "__version__"]
+
 __version__: str
 
 class Uncertified(ArithmeticError): ...
@@ -63,6 +65,8 @@ class Core:
 
 @final
 class Map:
+    @property
+    def seconds(self) -> float: ...
     def array(self, quantity: str) -> _Floats: ...
     def engines(self) -> list[str]: ...
     def evidence(self) -> list[str]: ...

@@ -37,35 +37,55 @@ def floats(values: Any, name: str) -> Floats:
     return np.require(array, np.float64, ["C", "A"])
 
 
-def _integers(values: Any, name: str, most: int) -> NDArray[np.int64]:
+def _indices(values: Any, name: str, most: int) -> NDArray[Any]:
+    """Return integers from 0 to `most` in one dimension."""
     array = np.asarray(values)
     if array.dtype.kind not in "iu" or array.ndim != 1:
-        raise _refusal(name, f"dtype {array.dtype}, {array.ndim} dimensions", "integers in one dimension")
+        raise _refusal(name, f"dtype {array.dtype} in {array.ndim} dimensions", "integers in one dimension")
     if array.size and not (array.min() >= 0 and array.max() <= most):
         raise _refusal(name, f"{array.min()} to {array.max()}", f"0 to {most}")
-    return np.require(array, np.int64, ["C", "A"])
+    return array
 
 
-def _columns(values: Any, name: str, most: int) -> NDArray[np.uint32]:
-    array = np.asarray(values)
-    if array.dtype == np.int32 and array.ndim == 1 and array.flags.c_contiguous and array.flags.aligned:
-        # The same bits; what is negative becomes too large, and is refused as that.
-        return array.view(np.uint32)
-    return _integers(array, name, most).astype(np.uint32)
+def _starts(values: Any, name: str, rows: int, stored: int) -> NDArray[np.int64]:
+    """Return where each of the rows starts among the stored entries, and where the last one ends."""
+    array = np.require(_indices(values, name, stored), np.int64, ["C", "A"])
+    if array.size != rows + 1 or array[0] != 0 or (array[1:] < array[:-1]).any():
+        raise _refusal(name, f"{array.size} starts", f"{rows + 1} ascending ones that begin with 0")
+    return array
+
+
+def _check(matrix: Any, name: str) -> None:
+    """Refuse what the routines of scipy would read or write beyond its arrays."""
+    if len(matrix.shape) != 2 or max(matrix.shape) > _MOST:
+        raise _refusal(name, f"shape {matrix.shape}", f"two dimensions of up to {_MOST}")
+    if np.dtype(matrix.dtype).kind not in "biuf":
+        raise _refusal(name, f"dtype {matrix.dtype}", "real numbers")
+    rows, columns = map(int, matrix.shape)
+    if matrix.format in ("csr", "csc", "bsr"):
+        if matrix.format == "csc":
+            rows, columns = columns, rows
+        elif matrix.format == "bsr":
+            rows, columns = rows // matrix.blocksize[0], columns // matrix.blocksize[1]
+        stored = min(len(matrix.indices), len(matrix.data))
+        used = int(_starts(matrix.indptr, f"{name}, indptr", rows, stored)[-1])
+        _indices(matrix.indices[:used], f"{name}, indices", columns - 1)
+    elif matrix.format == "coo":
+        sizes = {len(matrix.data), len(matrix.row), len(matrix.col)}
+        if len(sizes) > 1:
+            raise _refusal(name, f"arrays of {sorted(sizes)} entries", "arrays of one length")
+        _indices(matrix.row, f"{name}, row", rows - 1)
+        _indices(matrix.col, f"{name}, col", columns - 1)
 
 
 def _compressed(matrix: Any, name: str) -> Rows:
-    shape = (int(matrix.shape[0]), int(matrix.shape[1]))
-    if max(shape) > _MOST:
-        raise _refusal(name, f"{shape[0]} x {shape[1]}", f"up to {_MOST} rows and columns")
-    values = floats(matrix.data, name)
-    if values.ndim != 1:
-        raise _refusal(name, f"values of {values.ndim} dimensions", "one dimension")
-    starts = _integers(matrix.indptr, f"{name}, indptr", values.size)
-    used = int(starts[-1]) if starts.size else 0
-    # Arrays may be longer than what is in use.
-    columns = _columns(matrix.indices, f"{name}, indices", _MOST)[:used]
-    return shape, starts, columns, values[:used]
+    """Return the arrays of what was checked."""
+    starts = np.require(matrix.indptr, np.int64, ["C", "A"])
+    used = int(starts[-1])
+    columns = np.require(np.asarray(matrix.indices)[:used], requirements=["C", "A"])
+    # None is negative, so that the same bits do.
+    columns = columns.view(np.uint32) if columns.dtype == np.int32 else columns.astype(np.uint32)
+    return (int(matrix.shape[0]), int(matrix.shape[1])), starts, columns, floats(matrix.data[:used], name)
 
 
 def _dense(array: Floats) -> Rows:
@@ -82,19 +102,13 @@ def _dense(array: Floats) -> Rows:
 
 def _sparse(matrix: Any, name: str, *, transposed: bool) -> Rows:
     """Compress by rows, or by columns, which are the rows of the transposed matrix."""
-    if len(matrix.shape) != 2:
-        raise _refusal(name, f"{len(matrix.shape)} dimensions", "two")
-    if np.dtype(matrix.dtype).kind not in "biuf":
-        raise _refusal(name, f"dtype {matrix.dtype}", "real numbers")
-    try:
-        matrix = matrix.tocsc() if transposed else matrix.tocsr()
-        if not matrix.has_canonical_format:
-            matrix = matrix.copy()
-            matrix.sum_duplicates()
-    except (IndexError, ValueError, RuntimeError) as error:
-        raise _refusal(name, f"what scipy refuses ({error})", "a valid sparse matrix") from None
-    shape, starts, columns, values = _compressed(matrix, name)
-    return (shape[::-1] if transposed else shape), starts, columns, values
+    _check(matrix, name)
+    matrix = matrix.tocsc() if transposed else matrix.tocsr()
+    if not matrix.has_canonical_format:
+        matrix = matrix.copy()
+        matrix.sum_duplicates()
+    (rows, columns), starts, indices, values = _compressed(matrix, name)
+    return ((columns, rows) if transposed else (rows, columns)), starts, indices, values
 
 
 def symmetric(matrix: Any, name: str) -> Rows:
@@ -110,11 +124,9 @@ def symmetric(matrix: Any, name: str) -> Rows:
 
 def mass(matrix: Any) -> Rows | Floats:
     """Return a mass matrix by rows, or the diagonal of a lumped one, given as [n], [n, 1] or n x 1."""
-    shape = getattr(matrix, "shape", None)
-    if hasattr(matrix, "tocsr") and shape is not None and len(shape) == 2 and shape[1] == 1:
-        return floats(matrix.toarray(), "mass").reshape(-1)
     if hasattr(matrix, "tocsr"):
-        return symmetric(matrix, "mass")
+        _check(matrix, "mass")
+        return floats(matrix.toarray(), "mass").reshape(-1) if matrix.shape[1] == 1 else symmetric(matrix, "mass")
     array = floats(matrix, "mass")
     if array.ndim == 1 or (array.ndim == 2 and array.shape[1] == 1):
         return array.reshape(-1)

@@ -293,6 +293,11 @@ class StabilityMap:
         """2/dt_cr, rad/s: the highest frequency where the limit is that of the spectrum."""
         return self._map.array("omega_max")
 
+    @property
+    def seconds(self) -> float:
+        """Time that the computation took, s."""
+        return self._map.seconds
+
     @cached_property
     def certified(self) -> NDArray[np.bool_]:
         """Where the limit is enclosed or bounded from below."""

@@ -98,12 +98,20 @@ impl Rows<'_> {
         Ok(if is_diagonal { Matrix::Diagonal(values.to_vec()) } else { Matrix::Sparse(matrix) })
     }
 
-    /// The gaps, which are the rows of Z'; zeros are left out.
+    /// The gaps on `size` unknowns, which are the rows of Z'; zeros are left out.
     ///
     /// # Errors
-    /// As [`Rows::matrix`].
-    pub fn gaps(&self) -> PyResult<Vec<SparseVector>> {
+    /// As [`Rows::matrix`]; a Z of another size.
+    pub fn gaps(&self, size: usize) -> PyResult<Vec<SparseVector>> {
         let matrix = self.matrix("gaps")?;
+        if matrix.columns() != size {
+            let value = format!("{} x {}", matrix.columns(), matrix.rows());
+            return Err(refused(Refusal::new(
+                "gaps",
+                value,
+                format!("{size} x k, as the stiffness has rows"),
+            )));
+        }
         let gap = |at: usize| {
             let (rows, values) = matrix.row(at);
             let entries = rows.iter().zip(values).filter(|(_, z)| **z != 0.0);

@@ -44,18 +44,16 @@ fn arrays<'py>(py: Python<'py>, run: &Run, history: &History) -> PyResult<Bound<
     named.set_item("contact_force", of_contacts(history.force.clone())?)?;
     named.set_item("relative_gap", of_contacts(history.relative_gap.clone())?)?;
     named.set_item("gap", of_contacts(gaps)?)?;
-    let energies: [(&str, fn(&Energy) -> f64); 6] = [
-        ("kinetic_energy", |e| e.kinetic),
-        ("strain_energy", |e| e.strain),
-        ("penalty_energy", |e| e.penalty),
-        ("contact_work", |e| e.contact_work),
-        ("body_work", |e| e.body_work),
-        ("loss", |e| e.loss),
-    ];
-    for (name, of) in energies {
+    let energy = |name: &str, of: fn(&Energy) -> f64| {
         let values: Vec<f64> = history.energy.iter().map(of).collect();
-        named.set_item(name, values.into_pyarray(py))?;
-    }
+        named.set_item(name, values.into_pyarray(py))
+    };
+    energy("kinetic_energy", |e| e.kinetic)?;
+    energy("strain_energy", |e| e.strain)?;
+    energy("penalty_energy", |e| e.penalty)?;
+    energy("contact_work", |e| e.contact_work)?;
+    energy("body_work", |e| e.body_work)?;
+    energy("loss", |e| e.loss)?;
     let summary = Summary::of(run, history);
     named.set_item("time_step", run.time_step())?;
     named.set_item("steps", history.steps)?;

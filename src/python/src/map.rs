@@ -16,14 +16,17 @@ pub struct Map {
     model: Arc<AnyModel>,
     curves: Vec<Curve>,
     shape: [usize; 2],
+    /// That the library took, s.
+    #[pyo3(get)]
+    seconds: f64,
 }
 
 impl Map {
     /// Bytes of a point: as found (88), and the arrays that may be asked for (7 of 8).
     pub const BYTES_PER_POINT: u64 = 88 + 7 * 8;
 
-    pub fn new(model: Arc<AnyModel>, curves: Vec<Curve>, shape: [usize; 2]) -> Self {
-        Self { model, curves, shape }
+    pub fn new(model: Arc<AnyModel>, curves: Vec<Curve>, shape: [usize; 2], seconds: f64) -> Self {
+        Self { model, curves, shape, seconds }
     }
 
     fn points(&self) -> impl Iterator<Item = &MapPoint> {

@@ -1,6 +1,7 @@
 //! A model, and what is asked of it.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use bipenalty::error::Refusal;
 use bipenalty::fem::MassMatrix;
@@ -165,7 +166,8 @@ impl Core {
         scales: Option<Vec<f64>>,
         reference: Option<f64>,
     ) -> PyResult<Self> {
-        let (stiffness, gaps) = (stiffness.matrix("stiffness")?, gaps.gaps()?);
+        let stiffness = stiffness.matrix("stiffness")?;
+        let gaps = gaps.gaps(stiffness.rows())?;
         let mass = match mass {
             MassOrRows::Diagonal(diagonal) => Matrix::Diagonal(diagonal.as_array().to_vec()),
             MassOrRows::Rows(rows) => rows.mass()?,
@@ -187,7 +189,6 @@ impl Core {
     }
 
     /// Name, mass matrix and gamma, elements, unknowns, contacts.
-    #[expect(clippy::type_complexity, reason = "named in Python")]
     fn facts(&self) -> (String, Option<(String, f64)>, Option<usize>, usize, usize) {
         let model = &*self.model;
         let unknowns = match model {
@@ -236,9 +237,13 @@ impl Core {
         grid.require_memory(Map::BYTES_PER_POINT).map_err(refused)?;
         let model = self.model()?;
         let (points, shape) = (grid.len(), [grid.ratios.len(), grid.stiffness_penalties.len()]);
-        let find = move |watch: &Watch| model.map(&grid, &asking, &|more| watch.add(more));
-        let curves = long(py, points, progress, find)?.map_err(refused)?;
-        Ok(Map::new(Arc::clone(&self.model), curves, shape))
+        let find = move |watch: &Watch| {
+            let begun = Instant::now();
+            let curves = model.map(&grid, &asking, &|more| watch.add(more));
+            (curves, begun.elapsed().as_secs_f64())
+        };
+        let (curves, seconds) = long(py, points, progress, find)?;
+        Ok(Map::new(Arc::clone(&self.model), curves.map_err(refused)?, shape, seconds))
     }
 
     /// (value, lower, upper), or None where no ratio costs a step.
