@@ -11,10 +11,9 @@ import sys
 import time
 from pathlib import Path
 
+import bipenalty as bp
 import numpy as np
 import pytest
-
-import bipenalty as bp
 
 pytest.importorskip("mpi4py")
 pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="needs mpirun")
@@ -180,7 +179,9 @@ def test_a_process_that_raises_ends_the_job_with_a_message(tmp_path: Path) -> No
 
 
 def test_a_process_that_is_killed_ends_the_job(tmp_path: Path) -> None:
-    command = _command(2, _scene(tmp_path), "--beta-s", "lin:0:10:401", "--ratio", "lin:0.1:4:40", "--tolerance", "1e-4")
+    command = _command(
+        2, _scene(tmp_path), "--beta-s", "lin:0:10:401", "--ratio", "lin:0.1:4:40", "--tolerance", "1e-4"
+    )
     job = subprocess.Popen(command, env=_environment(), stderr=subprocess.PIPE, text=True)
     workers: list[int] = []
     deadline = time.monotonic() + 60

@@ -95,7 +95,9 @@ def test_killed_twenty_times_nothing_is_lost_or_done_twice(tmp_path: Path) -> No
     # A case takes a tenth of a second or so, so that the kills fall all over the study.
     environment = {**os.environ, "PAUSE": "0.1"}
     for _ in range(20):
-        process = subprocess.Popen(_hindered(study, "--workers", "2", "--quiet"), env=environment, start_new_session=True)
+        process = subprocess.Popen(
+            _hindered(study, "--workers", "2", "--quiet"), env=environment, start_new_session=True
+        )
         journal = out / "journal.jsonl"
         # Until it has written one more line, or was about to.
         goal, deadline = seen + wheel.randint(0, 1), time.monotonic() + 60
@@ -197,7 +199,9 @@ def test_two_runs_at_once_are_refused(tmp_path: Path) -> None:
 def test_a_worker_that_dies_is_a_row(tmp_path: Path) -> None:
     study = _folder(tmp_path / "dying", STUDY.replace('["signorini", "bar.toml"]', '["bar.toml"]'))
     environment = {**os.environ, "DIES_AT": "16"}
-    run = subprocess.run(_hindered(study, "--workers", "2"), env=environment, capture_output=True, text=True, check=False)
+    run = subprocess.run(
+        _hindered(study, "--workers", "2"), env=environment, capture_output=True, text=True, check=False
+    )
     assert run.returncode == 1
     table = list(csv.DictReader(_records(tmp_path / "dying").splitlines()))
     assert [(row["elements"], row["error"][:11]) for row in table if row["error"]] == [("", "the process")] * 2

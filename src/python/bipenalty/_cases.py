@@ -94,13 +94,13 @@ def read(path: Path) -> tuple[str, list[Case], list[str]]:
 
 
 def header(parameters: list[str]) -> list[str]:
-    """The columns of the records: those of stability-map between parameters and failures."""
+    """Name the columns of the records: those of stability-map between parameters and failures."""
     own = [f"parameter:{name}" if name in _COLUMNS else name for name in parameters]
     return ["case", *own, *_COLUMNS, "error"]
 
 
 def rows(number: int, case: Case, result: dict[str, Any]) -> list[list[Any]]:
-    """The rows of a case; one row says what went wrong."""
+    """List the rows of a case; one row says what went wrong."""
     head = [number, *case.parameters.values()]
     if "error" in result:
         return [[*head, case.title, *[None] * (len(_COLUMNS) - 1), result["error"]]]
@@ -119,12 +119,13 @@ def _numbers(path: Path, key: str, value: Any) -> list[float]:
 
 
 def _scene(folder: Path, scene: str, changed: dict[str, Any]) -> tuple[str, str]:
-    """A scene as `Model.from_scene` takes it, with changed keys; and what tells its files from others."""
+    """Give a scene as `Model.from_scene` takes it, with changed keys; and what tells its files from others."""
     path = folder / scene
     if not path.is_file():
         if changed:
             keys = ", ".join(changed)
-            raise ValueError(f"scene {scene}: {keys} is not allowed; allowed: keys of a scene in a file, or {', '.join(sorted(MODEL | ASKED))}")
+            known = ", ".join(sorted(MODEL | ASKED))
+            raise ValueError(f"scene {scene}: {keys} is not allowed; allowed: keys of a scene in a file, or {known}")
         return scene, ""
     text = path.read_text(encoding="utf-8")
     try:
@@ -172,11 +173,13 @@ def _set(tables: dict[str, Any], scene: str, key: str, value: Any) -> None:
         else:
             at[last] = value
     except (KeyError, IndexError, ValueError, TypeError) as error:
-        raise ValueError(f"scene {scene}: {key} is not allowed; allowed: a key of the scene, as bar.0.length") from error
+        raise ValueError(
+            f"scene {scene}: {key} is not allowed; allowed: a key of the scene, as bar.0.length"
+        ) from error
 
 
 def _toml(tables: dict[str, Any], name: str = "") -> list[str]:
-    """A scene as TOML: values first, then tables and lists of tables."""
+    """Write a scene as TOML: values first, then tables and lists of tables."""
 
     def is_table(value: Any) -> bool:
         return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def lines(path: Path) -> Iterator[dict[str, Any]]:
-    """The whole lines of a journal; what follows the last line end was being written when its writer was killed."""
+    """Read the whole lines of a journal; what follows the last line end its writer was killed at."""
     if not path.exists():
         return
     with path.open("rb") as file:
@@ -57,6 +57,8 @@ class Journal:
             written += os.write(self._file, line[written:])
         os.fsync(self._file)
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         """Close it."""
         os.close(self._file)

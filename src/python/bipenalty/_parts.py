@@ -1,7 +1,7 @@
 """Parts of a mesh: cut from a scene, or read from files that any code may write.
 
-A folder of parts holds ``mesh.json`` (name, mass, gamma, elements, parts) and ``part-00000.npz``, one for each process. Arrays of
-a part, numbers in it local and from 0:
+A folder of parts holds ``mesh.json`` (name, mass, gamma, elements, parts) and ``part-00000.npz``, one for each process.
+Arrays of a part, numbers in it local and from 0:
 
 =====================  =========  ===================================================================================
 ``unknowns``           int64 [n]  their numbers in the whole mesh, ascending
@@ -15,7 +15,7 @@ a part, numbers in it local and from 0:
 ``gap_unknowns``       int64      unknowns of each gap: all of one gap must be of this part
 ``gap_entries``        float64    z
 ``gap_scale``          float64    w, N/m; of a contact that several parts carry, the share of this one
-``gap_patch``          int64 [k]  the patch that carries each gap; optional: by default shared out among those of the part
+``gap_patch``          int64 [k]  the patch that carries each gap; optional: by default shared out among the part's
 =====================  =========  ===================================================================================
 
 So K is the sum of the elements of all parts, and P = sum_j w_j z_j z_j' the sum over their gaps.
@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,10 +56,10 @@ class Facts:
 def patch_edge(tolerance: float, dimension: int) -> int:
     """Elements along an edge of a patch.
 
-    Free patches of m squares along an edge are too high by 0.6 % of l at m = 8, which falls as m^-2.6; of cubes by 0.19 % at m = 6
-    and 0.035 % at m = 8. The step errs by half, and half of its width is left for the vectors and the chords.
+    Free patches of m squares along an edge are too high by 0.6 % of l at m = 8, which falls as m^-2.6; of cubes by
+    0.19 % at m = 6 and 0.035 % at m = 8. The step errs by half; half of its width is left for vectors and chords.
     """
-    edge = 8.0 * (6e-3 / tolerance) ** (1 / 2.6) if dimension == 2 else 6.0 * (1.9e-3 / tolerance) ** (1 / 4)
+    edge: float = 8.0 * (6e-3 / tolerance) ** (1 / 2.6) if dimension == 2 else 6.0 * (1.9e-3 / tolerance) ** (1 / 4)
     return max(4, math.ceil(edge))
 
 
@@ -84,10 +83,10 @@ def write(folder: Path, facts: Facts, lists: list[Lists]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "mesh.json").unlink(missing_ok=True)
     for number, part in enumerate(lists):
-        np.savez(_file(folder, number), **part)
+        np.savez(_file(folder, number), **part)  # type: ignore[arg-type]
     unfinished = folder / "mesh.json.part"
     unfinished.write_text(json.dumps(asdict(facts), indent=1) + "\n", encoding="utf-8")
-    os.replace(unfinished, folder / "mesh.json")
+    unfinished.replace(folder / "mesh.json")
 
 
 def facts_of(folder: Path) -> Facts:

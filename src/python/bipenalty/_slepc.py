@@ -1,8 +1,8 @@
 """A mesh on many processes: eigenvectors by SLEPc, proofs by each process alone.
 
-Every process holds one `Part`. Vectors are PETSc's, each process owning the unknowns that no process before it holds; what
-it holds besides are ghosts. With M diagonal the eigenproblem is that of the scaled matrix D^-1/2 (K + t P) D^-1/2; otherwise
-SLEPc solves with M by conjugate gradients.
+Every process holds one `Part`. Vectors are PETSc's, each process owning the unknowns that no process before it holds;
+what it holds besides are ghosts. With M diagonal the eigenproblem is that of the scaled matrix
+D^-1/2 (K + t P) D^-1/2; otherwise SLEPc solves with M by conjugate gradients.
 """
 
 from __future__ import annotations
@@ -51,10 +51,10 @@ class Numbering:
     """Unknowns of all parts."""
 
     @classmethod
-    def of(cls, comm: MPI.Comm, unknowns: Numbers) -> Numbering:
+    def of(cls, comm: MPI.Intracomm, unknowns: Numbers) -> Numbering:
         """Agree with the other processes on who owns what: the first that holds it.
 
-        Process i is asked about the unknowns that are i modulo the number of processes, so that nobody needs to know all.
+        Process i is asked about the unknowns that are i modulo the number of processes: nobody needs to know all.
         """
         owner = _at_home(comm, unknowns, np.full(len(unknowns), comm.rank, dtype=np.int64), np.minimum)
         owned = np.flatnonzero(owner == comm.rank)
@@ -64,7 +64,7 @@ class Numbering:
         return cls(_at_home(comm, unknowns, number, np.maximum), owned, comm.allreduce(len(owned)))
 
 
-def _at_home(comm: MPI.Comm, keys: Numbers, values: Numbers, better: np.ufunc) -> Numbers:
+def _at_home(comm: MPI.Intracomm, keys: Numbers, values: Numbers, better: np.ufunc) -> Numbers:
     """For each key the best of the values that the processes have for it."""
     home = keys % comm.size
     order = np.argsort(home, kind="stable")
@@ -74,9 +74,7 @@ def _at_home(comm: MPI.Comm, keys: Numbers, values: Numbers, better: np.ufunc) -
 
     def there(sent: Numbers) -> Numbers:
         got = np.empty(came.sum(), dtype=np.int64)
-        comm.Alltoallv(
-            [sent, (counts, _starts(counts)), MPI.INT64_T], [got, (came, _starts(came)), MPI.INT64_T]
-        )
+        comm.Alltoallv([sent, (counts, _starts(counts)), MPI.INT64_T], [got, (came, _starts(came)), MPI.INT64_T])
         return got
 
     known, place = np.unique(there(keys[order]), return_inverse=True)
@@ -85,9 +83,7 @@ def _at_home(comm: MPI.Comm, keys: Numbers, values: Numbers, better: np.ufunc) -
     best[place] = given
     better.at(best, place, given)
     back = np.empty(len(keys), dtype=np.int64)
-    comm.Alltoallv(
-        [best[place], (came, _starts(came)), MPI.INT64_T], [back, (counts, _starts(counts)), MPI.INT64_T]
-    )
+    comm.Alltoallv([best[place], (came, _starts(came)), MPI.INT64_T], [back, (counts, _starts(counts)), MPI.INT64_T])
     answer = np.empty_like(back)
     answer[order] = back
     return answer
@@ -98,7 +94,7 @@ def _starts(counts: Numbers) -> Numbers:
 
 
 class _Sum:
-    """y = (a K + t P) x of scaled vectors, K and B with P = B'B assembled; `close` projects onto Bx = 0 before and after."""
+    """y = (a K + t P) x of scaled vectors, K and B assembled, P = B'B; `close` projects onto Bx = 0 on both sides."""
 
     def __init__(self, k: PETSc.Mat, b: PETSc.Mat | None) -> None:
         self.k, self.b, self.a, self.t = k, b, 1.0, 0.0
@@ -107,7 +103,7 @@ class _Sum:
         self._spread = k.createVecLeft()
 
     def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
-        """y = A x."""
+        """Y = A x."""
         if self.close is not None:
             x = x.copy()
             self.close.project(x)
@@ -162,7 +158,7 @@ class Verdict:
 class Pencil:
     """K, M and P on all processes of a communicator, answering the questions of a `Session`."""
 
-    def __init__(self, comm: MPI.Comm, part: Part, basis: int = 24) -> None:
+    def __init__(self, comm: MPI.Intracomm, part: Part, basis: int = 24) -> None:
         self.comm, self.part, self.basis = comm, part, basis
         self.numbering = Numbering.of(comm, part.unknowns())
         self.total = self.numbering.total
@@ -201,12 +197,12 @@ class Pencil:
         return found
 
     def _local(self, vector: PETSc.Vec) -> Floats:
-        """The numbers of a vector at the unknowns of this part: the same bits wherever one is held."""
+        """Give the numbers of a vector at the unknowns of this part: the same bits wherever one is held."""
         self._scatter.scatter(vector, self._ghosted, addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
         return np.array(self._ghosted.getArray())
 
     def _assembled(self, rows: tuple[Numbers, Numbers, Floats]) -> PETSc.Mat:
-        """The sum over the parts of their matrices, by rows."""
+        """Sum the matrices of the parts up, by rows."""
         local, own = len(self.numbering.number), len(self.numbering.owned)
         starts, columns = (array.astype(PETSc.IntType) for array in rows[:2])
         block = PETSc.Mat().createAIJ((local, local), csr=(starts, columns, rows[2]), comm=PETSc.COMM_SELF)
@@ -235,7 +231,7 @@ class Pencil:
         return matrix
 
     def sum(self, values: Floats) -> None:
-        """Add up over all processes, in place. By way of one process: a sum in all of them may differ in its last bit."""
+        """Add up over all processes, in place; in one of them, since sums in all may differ in the last bit."""
         total = np.empty_like(values)
         self.comm.Reduce(values, total)
         values[:] = total
@@ -300,14 +296,14 @@ class Pencil:
     def _rayleigh(self, x: PETSc.Vec) -> float:
         image = x.duplicate()
         self._operator.mult(x, image)
-        return image.dot(x) / self._square(x)
+        return float(image.dot(x)) / self._square(x)
 
     def _square(self, x: PETSc.Vec) -> float:
         if self.mass is None:
-            return x.dot(x)
+            return float(x.dot(x))
         image = x.duplicate()
         self.mass.mult(x, image)
-        return image.dot(x)
+        return float(image.dot(x))
 
     def _mass_solver(self, tolerance: float) -> PETSc.KSP:
         """Conjugate gradients for M, which its diagonal makes well conditioned."""
@@ -320,7 +316,7 @@ class Pencil:
         return self._solver
 
     def residual(self, t: float, y: list[float]) -> float:
-        """|A x - theta M x| in the norm of M^-1 over theta, for x = V y and A = K + t P."""
+        """Return |A x - theta M x| in the norm of M^-1 over theta, for x = V y and A = K + t P."""
         x = self._ritz(y)
         self._choose(1.0, t, False)
         image, mass = x.duplicate(), x.copy()

@@ -1,8 +1,8 @@
 """A map of a mesh that lies on many processes.
 
 ``mpirun -n N python -m bipenalty.distributed SCENE --beta-s SPEC --ratio SPEC`` prints or writes the records of
-``stability-map``. SCENE is the file of a scene of ``[[body]]``, which the first process cuts into N parts, or a folder that
-``--split N`` has written, or another code: see `bipenalty._parts`. Needs mpi4py, petsc4py and slepc4py.
+``stability-map``. SCENE is the file of a scene of ``[[body]]``, which the first process cuts into N parts, or a folder
+that ``--split N`` has written, or another code: see `bipenalty._parts`. Needs mpi4py, petsc4py and slepc4py.
 """
 
 from __future__ import annotations
@@ -57,7 +57,9 @@ def parser() -> argparse.ArgumentParser:
     options.add_argument("--ratio", metavar="SPEC", help="the same; inf is the pure penalty method")
     options.add_argument("--tolerance", type=float, default=1e-3, metavar="E", help="relative width of a step")
     options.add_argument("--patch", type=int, metavar="N", help="elements along an edge of a patch of the proof")
-    options.add_argument("--memory", type=float, default=2.0, metavar="GB", help="of a patch's factor, for each process")
+    options.add_argument(
+        "--memory", type=float, default=2.0, metavar="GB", help="of a patch's factor, for each process"
+    )
     options.add_argument("--stdout", choices=["csv"], help="print the records instead of writing them")
     options.add_argument("--out", type=Path, default=Path("figures/distributed"), metavar="DIR", help="where files go")
     options.add_argument("--split", type=int, metavar="N", help="write N parts to --out, and compute nothing")
@@ -83,20 +85,20 @@ def _checked(options: argparse.Namespace) -> argparse.Namespace:
             raise Refused(f"--{name}: {value} is not allowed; allowed: at least {least}")
     if options.split is not None:
         return options
-    for name, allowed in (("beta_s", lambda b: 0.0 <= b < math.inf), ("ratio", lambda r: r > 0.0)):
+    for name, allowed in (("beta_s", "at least 0, finite"), ("ratio", "above 0")):
         option, text = f"--{name.replace('_', '-')}", getattr(options, name)
         if text is None:
             raise Refused(f"{option}: nothing is not allowed; allowed: a list, lin:0:10:401 or log:1e-3:1e12:301")
         values = axis(text)
-        wrong = [value for value in values if not allowed(value)]
+        wrong = [v for v in values if not (0.0 <= v < math.inf if name == "beta_s" else v > 0.0)]
         if wrong:
-            raise Refused(f"{option}: {wrong[0]} is not allowed; allowed: {'at least 0, finite' if name == 'beta_s' else 'above 0'}")
+            raise Refused(f"{option}: {wrong[0]} is not allowed; allowed: {allowed}")
         setattr(options, name, values)
     return options
 
 
 def enclose(
-    comm: MPI.Comm,
+    comm: MPI.Intracomm,
     part: Part,
     points: Sequence[tuple[float, float]],
     tolerance: float = 1e-3,
@@ -105,7 +107,7 @@ def enclose(
 ) -> dict[str, Any]:
     """Enclose l_max at points (beta_s, r) of the mesh whose parts the processes of `comm` hold.
 
-    Every process calls it; all get the same answer: ``mesh`` (l_max without contact, from below, which is the reference of r
+    Every process calls it; all get the same answer: ``mesh`` (l_max without contact, from below: the reference of r
     unless one is given), ``slope`` (mu), ``points`` (pairs of bounds of l, rad^2/s^2), ``effort``.
     """
     from ._slepc import Pencil
@@ -113,7 +115,7 @@ def enclose(
     begin = time.perf_counter()
     pencil = Pencil(comm, part)
     told(f"{pencil.total} unknowns on {comm.size} processes, {time.perf_counter() - begin:.1f} s")
-    sizes, scales = comm.gather(part.sizes()), comm.gather(part.scales())
+    sizes, scales = comm.gather(part.sizes()) or [], comm.gather(part.scales()) or []
     session = None
     if comm.rank == 0:
         gathered = [scale for of_part in scales for scale in of_part.tolist()]
@@ -133,7 +135,7 @@ def enclose(
             forms = comm.gather(row)
             told(f"a K + t P, a = {asked[0]:g}, t = {asked[1]:.6e}: {value:.10e}, {time.perf_counter() - begin:.2f} s")
             if session:
-                session.found(value, residual, _together(forms))
+                session.found(value, residual, _together(forms or []))
         elif session:
             session.residual(answer) if kind == "residual" else session.verdict(answer.kind, answer.needed)
     told(", ".join(f"{kind} {seconds:.1f} s" for kind, seconds in spent.items()))
@@ -141,7 +143,7 @@ def enclose(
 
 
 def _together(forms: list[Any]) -> Any:
-    """The forms with the gaps of all parts; the sums in them are those of all parts already."""
+    """Join the gaps of all parts; the sums in them are those of all parts already."""
     if forms[0] is None:
         return None
     stiffness, mass, _, _, square = forms[0]
@@ -149,8 +151,8 @@ def _together(forms: list[Any]) -> Any:
     return stiffness.tolist(), mass.tolist(), gaps, sizes, square
 
 
-def _everywhere(comm: MPI.Comm, session: Session | None) -> dict[str, Any]:
-    """What the session found, or what it raised, on every process."""
+def _everywhere(comm: MPI.Intracomm, session: Session | None) -> dict[str, Any]:
+    """Give every process what the session found, or raise what it raised."""
     found: Any = None
     if session:
         try:
@@ -165,7 +167,7 @@ def _everywhere(comm: MPI.Comm, session: Session | None) -> dict[str, Any]:
 
 
 def rows(facts: _parts.Facts, options: argparse.Namespace, found: dict[str, Any]) -> tuple[list[list[Any]], bool]:
-    """The records of the map, and whether every point is as narrow as asked."""
+    """List the records of the map, and whether every point is as narrow as asked."""
     reference, points = found["mesh"], iter(found["points"])
     head = [facts.name, facts.mass, facts.gamma, facts.elements, "spectrum"]
     table, narrow = [], True
@@ -186,12 +188,14 @@ def rows(facts: _parts.Facts, options: argparse.Namespace, found: dict[str, Any]
                 table.append([*head, beta_s, ratio, omega, c, *bounds, ENGINE, *step, "proven"])
             else:
                 narrow = False
-                table.append([*head, beta_s, ratio, omega, None, *bounds, f"{ENGINE}, not certified", None, *step[1:], ""])
+                table.append(
+                    [*head, beta_s, ratio, omega, None, *bounds, f"{ENGINE}, not certified", None, *step[1:], ""]
+                )
     return table, narrow
 
 
-def _part(comm: MPI.Comm, options: argparse.Namespace) -> tuple[_parts.Facts, Part]:
-    """The part of this process; what one process refuses, all do."""
+def _part(comm: MPI.Intracomm, options: argparse.Namespace) -> tuple[_parts.Facts, Part]:
+    """Get the part of this process; what one process refuses, all do."""
     folder, lists, facts, wrong = Path(options.scene), None, None, None
     if comm.rank == 0:
         try:
@@ -218,7 +222,7 @@ def _part(comm: MPI.Comm, options: argparse.Namespace) -> tuple[_parts.Facts, Pa
     return facts, part
 
 
-def _scattered(comm: MPI.Comm, lists: list[_parts.Lists] | None) -> _parts.Lists:
+def _scattered(comm: MPI.Intracomm, lists: list[_parts.Lists] | None) -> _parts.Lists:
     """One part to each process, one after the other, so that the first needs to pack one at a time."""
     if lists is None:
         return dict(comm.recv(source=0))
@@ -240,10 +244,10 @@ def _write(options: argparse.Namespace, table: list[list[Any]]) -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     unfinished = options.out / ".stability-map.csv.part"
     unfinished.write_text(text.getvalue(), encoding="utf-8")
-    os.replace(unfinished, options.out / "stability-map.csv")
+    unfinished.replace(options.out / "stability-map.csv")
 
 
-def run(comm: MPI.Comm, arguments: Sequence[str]) -> int:
+def run(comm: MPI.Intracomm, arguments: Sequence[str]) -> int:
     """Do what the command line says; the exit status."""
 
     def told(line: str) -> None:
@@ -266,8 +270,8 @@ def run(comm: MPI.Comm, arguments: Sequence[str]) -> int:
     facts, part = _part(comm, options)
     patches = comm.gather(part.patches())
     if patches:
-        total, distinct, largest = (kind(column) for kind, column in zip((sum, sum, max), zip(*patches)))
-        told(f"{total} patches, {distinct} to prove, of at most {largest} unknowns")
+        total, distinct, largest = zip(*patches, strict=True)
+        told(f"{sum(total)} patches, {sum(distinct)} to prove, of at most {max(largest)} unknowns")
     points = [(beta_s, ratio) for ratio in options.ratio for beta_s in options.beta_s]
     found = enclose(comm, part, points, options.tolerance, told=told)
     status = 0
@@ -276,7 +280,10 @@ def run(comm: MPI.Comm, arguments: Sequence[str]) -> int:
         _write(options, table)
         status = 0 if narrow else 1
         solves, proofs = found["effort"]
-        told(f"{len(table)} points, {solves} eigenproblems, {proofs} proofs" + ("" if narrow else ", NOT all as narrow as asked"))
+        told(
+            f"{len(table)} points, {solves} eigenproblems, {proofs} proofs"
+            + ("" if narrow else ", NOT all as narrow as asked")
+        )
     return int(comm.bcast(status))
 
 
@@ -287,7 +294,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         from . import _slepc  # noqa: F401
     except ImportError as error:
-        print(f"{error}; needed: mpi4py, petsc4py and slepc4py, as in python3-mpi4py and python3-slepc4py", file=sys.stderr)
+        print(
+            f"{error}; needed: mpi4py, petsc4py and slepc4py, as in python3-mpi4py and python3-slepc4py",
+            file=sys.stderr,
+        )
         return 2
     comm = MPI.COMM_WORLD
     try:
@@ -303,7 +313,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _abort(comm, error, 1)
 
 
-def _abort(comm: MPI.Comm, error: BaseException, status: int) -> NoReturn:
+def _abort(comm: MPI.Intracomm, error: BaseException, status: int) -> NoReturn:
     """End the other processes too: they wait for this one, and would for ever."""
     traceback.print_exception(error)
     print(f"process {comm.rank} of {comm.size} ended: {error!r}", file=sys.stderr, flush=True)

@@ -1,7 +1,8 @@
 """A sweep over scenes, parameters and penalties, which goes on where it was.
 
-``python -m bipenalty.study STUDY.toml`` runs the cases of a study on this machine; ``--mpi`` on the processes of mpirun,
-``--slurm-array I/N`` the I-th of N shares. What is done stands in a journal; the records are merged when all cases are.
+``python -m bipenalty.study STUDY.toml`` runs the cases of a study on this machine; ``--mpi`` on the processes of
+mpirun, ``--slurm-array I/N`` the I-th of N shares. What is done stands in a journal; the records are merged when all
+cases are done.
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ def _alone() -> None:
 
 
 def _in_processes(cases: list[Case], workers: int) -> Iterator[dict[str, Any]]:
-    """Results as they come. A worker that dies takes its pool along: whom it was working for is then found one by one."""
+    """Give results as they come. A worker that dies takes its pool along: its case is then found one by one."""
     context = multiprocessing.get_context("spawn")
     open_cases = {case.key: case for case in cases}
 
@@ -114,7 +115,7 @@ class Study:
         self.failed = 0
 
     def done(self) -> dict[str, dict[str, Any]]:
-        """The results of all journals by the keys of their cases."""
+        """Collect the results of all journals by the keys of their cases."""
         found: dict[str, dict[str, Any]] = {}
         for path in sorted(self.out.glob("journal*.jsonl")):
             for entry in lines(path):
@@ -152,10 +153,12 @@ class Study:
                 for number, case in enumerate(self.cases):
                     if case.key in done:
                         writer.writerows(_cases.rows(number, case, done[case.key]))
-            os.replace(unfinished, self.out / f"{self.name}.csv")
+            unfinished.replace(self.out / f"{self.name}.csv")
         if not self.options.quiet:
             where = f": {self.out / (self.name + '.csv')}" if not missing or self.options.merge else ""
-            print(f"{len(self.cases) - len(missing)} of {len(self.cases)} cases, {failed} failed{where}", file=sys.stderr)
+            print(
+                f"{len(self.cases) - len(missing)} of {len(self.cases)} cases, {failed} failed{where}", file=sys.stderr
+            )
         mine = {case.key for case in self.cases[self.share :: self.shares]}
         return 1 if failed or any(case.key in mine for case in missing) else 0
 
