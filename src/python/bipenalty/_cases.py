@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ._bipenalty import Uncertified, axis
+from ._bipenalty import axis
 from ._model import Model
 from ._results import _COLUMNS
 from ._toml import tomllib
@@ -56,7 +56,10 @@ class Case:
             found = model.stability_map(np.array(self.beta_s), np.array(self.ratio), **asked)
             # Through JSON and back a number keeps its bits.
             return {"key": self.key, "rows": [list(row) for row in found._rows()]}
-        except (ValueError, TypeError, OSError, MemoryError, Uncertified) as error:
+        except BaseException as error:
+            # Whatever it is, a panic of the library among it, the other cases go on.
+            if isinstance(error, (KeyboardInterrupt, SystemExit)):
+                raise
             return {"key": self.key, "error": f"{type(error).__name__}: {error}"}
 
 

@@ -185,7 +185,6 @@ class Pencil:
         shape = ((own, self.total), (own, self.total))
         self._operator = PETSc.Mat().createPython(shape, self._sum, comm=comm)
         self._operator.setUp()
-        self._solver: PETSc.KSP | None = None
         self._random = np.random.default_rng(comm.rank)
 
     def _global(self, values: Floats) -> PETSc.Vec:
@@ -306,14 +305,13 @@ class Pencil:
         return float(image.dot(x))
 
     def _mass_solver(self, tolerance: float) -> PETSc.KSP:
-        """Conjugate gradients for M, which its diagonal makes well conditioned."""
-        if self._solver is None:
-            self._solver = PETSc.KSP().create(self.comm)
-            self._solver.setOperators(self.mass)
-            self._solver.setType("cg")
-            self._solver.getPC().setType("jacobi")
-        self._solver.setTolerances(rtol=max(tolerance, 1e-14), max_it=1000)
-        return self._solver
+        """Conjugate gradients for M, which its diagonal makes well conditioned; SLEPc keeps those it is given."""
+        solver = PETSc.KSP().create(self.comm)
+        solver.setOperators(self.mass)
+        solver.setType("cg")
+        solver.getPC().setType("jacobi")
+        solver.setTolerances(rtol=max(tolerance, 1e-14), max_it=1000)
+        return solver
 
     def residual(self, t: float, y: list[float]) -> float:
         """Return |A x - theta M x| in the norm of M^-1 over theta, for x = V y and A = K + t P."""

@@ -293,7 +293,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from mpi4py import MPI
 
         from . import _slepc  # noqa: F401
-    except ImportError as error:
+    except (ImportError, ValueError) as error:
+        # A binding that was built for another numpy says so by a ValueError.
         print(
             f"{error}; needed: mpi4py, petsc4py and slepc4py, as in python3-mpi4py and python3-slepc4py",
             file=sys.stderr,
