@@ -1,8 +1,8 @@
 """A mesh on many processes: eigenvectors by SLEPc, proofs by each process alone.
 
 Every process holds one `Part`. Vectors are PETSc's, each process owning the unknowns that no process before it holds;
-what it holds besides are ghosts. With M diagonal the eigenproblem is that of the scaled matrix
-D^-1/2 (K + t P) D^-1/2; otherwise SLEPc solves with M by conjugate gradients.
+what it holds besides are ghosts. All matrices are scaled to D^-1/2 A D^-1/2 with D = diag(M): a lumped M is the unit
+matrix then; with another one SLEPc solves by conjugate gradients.
 """
 
 from __future__ import annotations
@@ -147,6 +147,22 @@ class _Closed:
             x.axpy(-1.0, self.spread)
 
 
+class _ClosedMass:
+    """M among the vectors with closed gaps, Q M Q, and the unit matrix among the others, where A is 0."""
+
+    def __init__(self, mass: PETSc.Mat, close: _Closed) -> None:
+        self.whole, self.close = mass, close
+
+    def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Set y = M x."""
+        closed = x.copy()
+        self.close.project(closed)
+        self.whole.mult(closed, y)
+        self.close.project(y)
+        y.axpy(1.0, x)
+        y.axpy(-1.0, closed)
+
+
 @dataclass(frozen=True)
 class Verdict:
     """What `Part.prove` says."""
@@ -169,23 +185,21 @@ class Pencil:
         numbers = PETSc.IS().createGeneral(self.numbering.number.astype(PETSc.IntType), comm=PETSc.COMM_SELF)
         self._scatter = PETSc.Scatter().create(self._vector, numbers, self._ghosted, None)
         self._map = PETSc.LGMap().create(self.numbering.number.astype(PETSc.IntType), comm=comm)
-        mass = part.mass()
         self.root = self._global(part.diagonal())
         self.root.sqrtabs()
-        self.mass = None
-        if mass is not None:
-            self.root.set(1.0)
-            self.mass = self._assembled(mass)
-        scale = self.root.copy()
-        scale.reciprocal()
-        self._scale = scale
-        stiffness = self._assembled(part.stiffness())
-        stiffness.diagonalScale(scale, scale)
-        self._sum = _Sum(stiffness, self._gaps(scale))
-        shape = ((own, self.total), (own, self.total))
-        self._operator = PETSc.Mat().createPython(shape, self._sum, comm=comm)
-        self._operator.setUp()
+        self._scale = self.root.copy()
+        self._scale.reciprocal()
+        mass = part.mass()
+        self.mass = None if mass is None else self._assembled(mass)
+        self._sum = _Sum(self._assembled(part.stiffness()), self._gaps())
+        self._shape = ((own, self.total), (own, self.total))
+        self._operator = self._shell(self._sum)
         self._random = np.random.default_rng(comm.rank)
+
+    def _shell(self, context: object) -> PETSc.Mat:
+        matrix = PETSc.Mat().createPython(self._shape, context, comm=self.comm)
+        matrix.setUp()
+        return matrix
 
     def _global(self, values: Floats) -> PETSc.Vec:
         """Sum over the parts, one number for each unknown."""
@@ -201,7 +215,7 @@ class Pencil:
         return np.array(self._ghosted.getArray())
 
     def _assembled(self, rows: tuple[Numbers, Numbers, Floats]) -> PETSc.Mat:
-        """Sum the matrices of the parts up, by rows."""
+        """Sum the matrices of the parts up, by rows, and scale them."""
         local, own = len(self.numbering.number), len(self.numbering.owned)
         starts, columns = (array.astype(PETSc.IntType) for array in rows[:2])
         block = PETSc.Mat().createAIJ((local, local), csr=(starts, columns, rows[2]), comm=PETSc.COMM_SELF)
@@ -211,9 +225,10 @@ class Pencil:
         whole = matrix.convert("aij", PETSc.Mat())
         matrix.destroy()
         block.destroy()
+        whole.diagonalScale(self._scale, self._scale)
         return whole
 
-    def _gaps(self, scale: PETSc.Vec) -> PETSc.Mat | None:
+    def _gaps(self) -> PETSc.Mat | None:
         """B = W^1/2 Z'D^-1/2, a row for each contact of the part that holds it."""
         starts, columns, entries = self.part.gaps()
         scales = self.part.scales()
@@ -226,7 +241,7 @@ class Pencil:
         order = np.lexsort((columns, row))
         csr = (starts.astype(PETSc.IntType), columns[order].astype(PETSc.IntType), entries[order])
         matrix = PETSc.Mat().createAIJ(((count, total), (own, self.total)), csr=csr, comm=self.comm)
-        matrix.diagonalScale(R=scale)
+        matrix.diagonalScale(R=self._scale)
         return matrix
 
     def sum(self, values: Floats) -> None:
@@ -241,15 +256,18 @@ class Pencil:
     ) -> tuple[float, float, Any]:
         """Find the top vector of (a K + t P, M) and add it to the span: its value, residual and forms."""
         self.solves += 1
+        self._choose(a, t, closed)
+        mass = self.mass
+        if mass is not None and self._sum.close is not None:
+            mass = self._shell(_ClosedMass(mass, self._sum.close))
         solver = SLEPc.EPS().create(self.comm)
-        solver.setOperators(self._operator, self.mass)
+        solver.setOperators(self._operator, mass)
         solver.setProblemType(SLEPc.EPS.ProblemType.HEP if self.mass is None else SLEPc.EPS.ProblemType.GHEP)
         solver.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
         solver.setDimensions(1, min(self.basis, self.total))
         solver.setTolerances(max(tolerance, 1e-13), 4000 // self.basis)
-        if self.mass is not None:
-            solver.getST().setKSP(self._mass_solver(1e-2 * tolerance))
-        self._choose(a, t, closed)
+        if mass is not None:
+            solver.getST().setKSP(self._mass_solver(mass, 1e-2 * tolerance))
         first = self._noise()
         if start is not None:
             first.scale(1e-3)
@@ -262,9 +280,11 @@ class Pencil:
         if solver.getConverged() > 0:
             value, residual = solver.getEigenpair(0, x).real, solver.getErrorEstimate(0)
         else:
-            # What the search ended with is as good a vector as any: it is judged by its own forms.
-            value, residual = self._rayleigh(first), 1.0
-            first.copy(x)
+            # The best that the search ended with: it is judged by its own forms.
+            best = solver.getBV().getColumn(0)
+            best.copy(x)
+            solver.getBV().restoreColumn(0, best)
+            value, residual = self._rayleigh(x), 1.0
         if self._sum.close is not None:
             self._sum.close.project(x)
         self._choose(1.0, 0.0, False)
@@ -275,7 +295,7 @@ class Pencil:
 
     def _choose(self, a: float, t: float, closed: bool) -> None:
         self._sum.a, self._sum.t, self._sum.close = a, t, None
-        if closed and self._sum.b is not None and self.mass is None:
+        if closed and self._sum.b is not None:
             self._sum.close = _Closed(self._sum.b)
 
     def _noise(self) -> PETSc.Vec:
@@ -304,12 +324,12 @@ class Pencil:
         self.mass.mult(x, image)
         return float(image.dot(x))
 
-    def _mass_solver(self, tolerance: float) -> PETSc.KSP:
-        """Conjugate gradients for M, which its diagonal makes well conditioned; SLEPc keeps those it is given."""
+    def _mass_solver(self, mass: PETSc.Mat, tolerance: float) -> PETSc.KSP:
+        """Conjugate gradients for M, well conditioned as it is scaled; SLEPc keeps those that it is given."""
         solver = PETSc.KSP().create(self.comm)
-        solver.setOperators(self.mass)
+        solver.setOperators(mass)
         solver.setType("cg")
-        solver.getPC().setType("jacobi")
+        solver.getPC().setType("none")
         solver.setTolerances(rtol=max(tolerance, 1e-14), max_it=1000)
         return solver
 
@@ -326,7 +346,7 @@ class Pencil:
         image.axpy(-theta, mass)
         solved = image.copy()
         if self.mass is not None:
-            self._mass_solver(1e-8).solve(image, solved)
+            self._mass_solver(self.mass, 1e-8).solve(image, solved)
         return float(np.sqrt(max(image.dot(solved), 0.0)) / abs(theta))
 
     def prove(self, u: float, a: float, t: float, margin: float) -> Verdict:
