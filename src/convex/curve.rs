@@ -89,7 +89,7 @@ pub struct Effort {
 }
 
 /// How closely the excess of a bound by patches is looked for, relative to itself.
-const CLOSELY: f64 = 0.02;
+const CLOSELY: f64 = 0.05;
 
 /// f of one pencil, with all that is known about it so far. The pencil may lie anywhere: see [`Source`].
 #[derive(Debug)]
@@ -102,6 +102,8 @@ pub struct Curve<S = Local> {
     /// f(0) from below, and the t at which contact and mesh weigh alike, f(0)/mu.
     mesh: f64,
     pub(super) unit: f64,
+    /// How much higher than its lower bound the last bound by patches was, relative.
+    excess: f64,
 }
 
 impl Curve {
@@ -150,7 +152,16 @@ impl<S: Source> Curve<S> {
     /// mu could not be proven.
     pub fn of(source: S, options: Options) -> Result<Self, Refusal> {
         let (upper, effort) = (Upper::new(f64::INFINITY), Effort::default());
-        let mut curve = Self { source, options, lines: Vec::new(), upper, effort, mesh: f64::NAN, unit: 1.0 };
+        let mut curve = Self {
+            source,
+            options,
+            lines: Vec::new(),
+            upper,
+            effort,
+            mesh: f64::NAN,
+            unit: 1.0,
+            excess: 0.0,
+        };
         if curve.dimension() > 0 {
             curve.mesh = curve.lower_at(0.0);
         }
@@ -186,8 +197,14 @@ impl<S: Source> Curve<S> {
     /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M); of
     /// patches, which are too high by their nature, how far is then looked for to a part of [`CLOSELY`].
     fn climb(&mut self, start: f64, combination: (f64, f64), step: f64) -> Option<f64> {
-        let (mut step, mut margin, mut failed) = (step, 0.05 * step / start, 0.0);
+        let (least, mut step, mut margin, mut failed) = (step, step, 0.05 * step / start, 0.0);
         let mut proven = None;
+        // Patches are too high by a part that varies slowly: the last one is nearly right.
+        let mut growth: f64 = 4.0;
+        if !self.source.is_sharp() && combination.0 != 0.0 && self.excess * start > step {
+            (step, growth) = (self.excess * start, 1.0 + CLOSELY);
+        }
+        let mut shrink = growth;
         // 4^24 > 1e14: from the last digits to the size of the value.
         for _ in 0..24 {
             match self.try_to_prove(start + step, combination, margin) {
@@ -195,7 +212,10 @@ impl<S: Source> Curve<S> {
                     proven = Some(start + step);
                     break;
                 }
-                Verdict::Refuted => (failed, step) = (step, 4.0 * step),
+                Verdict::Refuted => {
+                    (failed, step) = (step, growth * step);
+                    growth = (growth * growth).min(4.0);
+                }
                 Verdict::TooClose(needed) => {
                     margin = 2.0 * needed;
                     (failed, step) = (step, step.max(4.0 * margin * start));
@@ -203,13 +223,17 @@ impl<S: Source> Curve<S> {
             }
         }
         if !self.source.is_sharp() {
-            while proven.is_some() && failed > 0.0 && step > failed * (1.0 + CLOSELY) {
-                let middle = (failed * step).sqrt();
+            while proven.is_some() && step > least && step > failed * (1.0 + CLOSELY) {
+                let middle = if failed > 0.0 { (failed * step).sqrt() } else { least.max(step / shrink) };
+                shrink = (shrink * shrink).min(4.0);
                 if self.try_to_prove(start + middle, combination, margin) == Verdict::Proven {
                     (proven, step) = (Some(start + middle), middle);
                 } else {
                     failed = middle;
                 }
+            }
+            if proven.is_some() && combination.0 != 0.0 {
+                self.excess = step / start;
             }
         }
         proven
