@@ -1,5 +1,6 @@
 //! The driver: f enclosed wherever it is asked, by as few eigenproblems and proofs as it takes.
 
+use super::chance::Chance;
 use super::factor::{Factorisation, TooLarge, Verdict};
 use super::lanczos::Search;
 use super::patches::Patches;
@@ -18,6 +19,8 @@ pub enum Prover {
     Whole(Box<Factorisation>),
     /// One small Cholesky for each patch of elements: a bound that is too high by what the patch is too small.
     Patches(Box<Patches>),
+    /// Nothing: each bound holds except with a small probability.
+    Chance(Box<Chance>),
 }
 
 impl Prover {
@@ -41,6 +44,7 @@ impl Prover {
         match self {
             Self::Whole(factorisation) => factorisation.memory(),
             Self::Patches(patches) => patches.memory(),
+            Self::Chance(_) => 0,
         }
     }
 
@@ -49,6 +53,7 @@ impl Prover {
         match self {
             Self::Whole(factorisation) => factorisation.prove(u, a, t, margin),
             Self::Patches(patches) => patches.prove(u, a, t, margin),
+            Self::Chance(chance) => chance.prove(u, (a, t)),
         }
     }
 }
@@ -134,6 +139,14 @@ impl Curve {
         Ok(curve)
     }
 
+    /// What is left between f(0) and its proof, relative; of patches and chance, which reach no such digits, nothing.
+    pub fn mesh_error(&self) -> f64 {
+        match self.prover() {
+            Prover::Whole(_) => (self.upper.at(0.0, self.mesh) / self.mesh - 1.0).max(0.0),
+            Prover::Patches(_) | Prover::Chance(_) => 0.0,
+        }
+    }
+
     /// What proves.
     pub fn prover(&self) -> &Prover {
         &self.source.prover
@@ -190,12 +203,17 @@ impl<S: Source> Curve<S> {
         if self.mesh.is_nan() || self.mesh <= 0.0 {
             self.unit = 1.0;
         }
+        let asked = self.options.tolerance;
+        if self.source.is_sharp() {
+            self.options.tolerance = asked.min(start::CLOSEST);
+        }
         self.prove(0.0);
+        self.options.tolerance = asked;
         Ok(())
     }
 
     /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M); of
-    /// patches, which are too high by their nature, how far is then looked for to a part of [`CLOSELY`].
+    /// patches and chance, which are too high by their nature, how far is then looked for to a part of [`CLOSELY`].
     fn climb(&mut self, start: f64, combination: (f64, f64), step: f64) -> Option<f64> {
         let (least, mut step, mut margin, mut failed) = (step, step, 0.05 * step / start, 0.0);
         let mut proven = None;

@@ -77,8 +77,8 @@ impl<S: Source> Curve<S> {
             }
             (failed, before) = (before, 4.0 * before);
         }
-        // Patches are too high by their nature: how far is looked for closely.
-        if before < 4.0 && failed > 0.0 && !self.source.is_sharp() {
+        // Patches are too high by their nature: how far is looked for closely. By chance each trial is a search.
+        if before < 4.0 && failed > 0.0 && self.source.is_patched() {
             for _ in 0..4 {
                 let middle = (failed * before).sqrt();
                 if middle < 1.0 && self.prove_at(l, upper * (1.0 - middle), middle) {

@@ -55,6 +55,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod chance;
 pub mod curve;
 mod elements;
 pub mod factor;
@@ -74,6 +75,7 @@ pub mod subspace;
 pub mod upper;
 mod vectors;
 
+pub use chance::Chance;
 pub use curve::{Curve, Effort, Options, Prover};
 pub use inverse::Passing;
 pub use patches::{Elements, Patches};

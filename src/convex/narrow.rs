@@ -50,7 +50,7 @@ impl<S: Source> Curve<S> {
             known[worst] = self.bounds(asked[worst]);
             if known[worst].step_width() > 0.9 * before.min(1e300) {
                 hopeless[worst] = true;
-                // Patches are too high by a part that varies slowly: close by nothing else can be expected.
+                // Patches, and chance, are too high by a part that varies slowly: close by nothing else can be expected.
                 let patches = !self.source.is_sharp();
                 let place = |t: f64| (t / self.unit).asinh();
                 for i in 0..asked.len() {

@@ -158,6 +158,10 @@ impl Source for Remote {
         self.facts.sharp
     }
 
+    fn is_patched(&self) -> bool {
+        !self.facts.sharp
+    }
+
     fn products(&self) -> usize {
         0
     }

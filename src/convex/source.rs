@@ -39,8 +39,11 @@ pub trait Source {
     /// Whether u M - a K - t P is positive semidefinite; `margin` is the part of u that rounding may use.
     fn prove(&mut self, u: f64, combination: (f64, f64), margin: f64) -> Verdict;
 
-    /// Whether every u above the largest eigenvalue can be proven, up to rounding. Patches prove only what lies above theirs.
+    /// Whether every u above the largest eigenvalue can be proven, up to rounding.
     fn is_sharp(&self) -> bool;
+
+    /// Whether proofs are by patches.
+    fn is_patched(&self) -> bool;
 
     /// Products with K so far.
     fn products(&self) -> usize;
@@ -101,6 +104,10 @@ impl Source for Local {
 
     fn is_sharp(&self) -> bool {
         matches!(self.prover, Prover::Whole(_))
+    }
+
+    fn is_patched(&self) -> bool {
+        matches!(self.prover, Prover::Patches(_))
     }
 
     fn products(&self) -> usize {
