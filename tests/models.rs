@@ -5,13 +5,19 @@
 
 #[path = "models/bars.rs"]
 mod bars;
+#[path = "models/chance.rs"]
+mod chance;
 #[path = "models/governing.rs"]
 mod governing;
 #[path = "models/largest.rs"]
 mod largest;
 #[path = "models/patches.rs"]
 mod patches;
+#[path = "models/reference.rs"]
+mod reference;
 #[path = "models/refusals.rs"]
 mod refusals;
 #[path = "models/scenes.rs"]
 mod scenes;
+#[path = "models/stepping.rs"]
+mod stepping;

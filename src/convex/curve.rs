@@ -1,5 +1,6 @@
 //! The driver: f enclosed wherever it is asked, by as few eigenproblems and proofs as it takes.
 
+use super::chance::Chance;
 use super::factor::{Factorisation, TooLarge, Verdict};
 use super::lanczos::{Search, largest};
 use super::operator::Operator;
@@ -20,6 +21,8 @@ pub enum Prover {
     Whole(Box<Factorisation>),
     /// One small Cholesky for each patch of elements: a bound that is too high by what the patch is too small.
     Patches(Box<Patches>),
+    /// Nothing: each bound holds except with a small probability.
+    Chance(Box<Chance>),
 }
 
 impl Prover {
@@ -43,6 +46,7 @@ impl Prover {
         match self {
             Self::Whole(factorisation) => factorisation.memory(),
             Self::Patches(patches) => patches.memory(),
+            Self::Chance(_) => 0,
         }
     }
 
@@ -51,6 +55,7 @@ impl Prover {
         match self {
             Self::Whole(factorisation) => factorisation.prove(u, a, t, margin),
             Self::Patches(patches) => patches.prove(u, a, t, margin),
+            Self::Chance(chance) => chance.prove(u, (a, t)),
         }
     }
 }
@@ -173,12 +178,17 @@ impl Curve {
         if self.mesh.is_nan() || self.mesh <= 0.0 {
             self.unit = 1.0;
         }
+        let asked = self.options.tolerance;
+        if matches!(self.prover, Prover::Whole(_)) {
+            self.options.tolerance = asked.min(start::CLOSEST);
+        }
         self.prove(0.0);
+        self.options.tolerance = asked;
         Ok(())
     }
 
     /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M); of
-    /// patches, which are too high by their nature, how far is then looked for to a part of [`CLOSELY`].
+    /// patches and chance, which are too high by their nature, how far is then looked for to a part of [`CLOSELY`].
     fn climb(&mut self, start: f64, combination: (f64, f64), step: f64) -> Option<f64> {
         let (mut step, mut margin, mut failed) = (step, 0.05 * step / start, 0.0);
         let mut proven = None;
@@ -196,7 +206,7 @@ impl Curve {
                 }
             }
         }
-        if matches!(self.prover, Prover::Patches(_)) {
+        if !matches!(self.prover, Prover::Whole(_)) {
             while proven.is_some() && failed > 0.0 && step > failed * (1.0 + CLOSELY) {
                 let middle = (failed * step).sqrt();
                 if self.try_to_prove(start + middle, combination, margin) == Verdict::Proven {
@@ -298,6 +308,14 @@ impl Curve {
     /// f(0) from below.
     pub fn mesh(&self) -> f64 {
         self.mesh
+    }
+
+    /// What is left between f(0) and its proof, relative; of patches and chance, which reach no such digits, nothing.
+    pub fn mesh_error(&self) -> f64 {
+        match self.prover {
+            Prover::Whole(_) => (self.upper.at(0.0, self.mesh) / self.mesh - 1.0).max(0.0),
+            Prover::Patches(_) | Prover::Chance(_) => 0.0,
+        }
     }
 
     /// What proves.

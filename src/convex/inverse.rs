@@ -76,7 +76,7 @@ impl Curve {
             }
             (failed, before) = (before, 4.0 * before);
         }
-        // Patches are too high by their nature: how far is looked for closely.
+        // Patches are too high by their nature: how far is looked for closely. By chance each trial is a search.
         if before < 4.0 && failed > 0.0 && matches!(self.prover, Prover::Patches(_)) {
             for _ in 0..4 {
                 let middle = (failed * before).sqrt();

@@ -134,3 +134,31 @@ pub(super) fn eigen(matrix: Mat<f64>) -> (Vec<f64>, Mat<f64>) {
         Err(_) => ((0..n).map(|i| matrix[(i, i)]).collect(), Mat::identity(n, n)),
     }
 }
+
+/// The smallest and the largest eigenvalue of a tridiagonal matrix, by the signs of its pivots (Givens), to rounding.
+pub(super) fn tridiagonal_ends(own: &[f64], beside: &[f64]) -> (f64, f64) {
+    let off = |i: usize| beside.get(i).map_or(0.0, |b| b.abs());
+    let reach = |i: usize| off(i) + if i > 0 { off(i - 1) } else { 0.0 };
+    let ends = own.iter().enumerate().map(|(i, a)| (a - reach(i), a + reach(i)));
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| (l.min(a), h.max(b)));
+    // Whether sign (l - T) is positive definite.
+    let definite = |l: f64, sign: f64| {
+        let mut pivot = sign * (l - own[0]);
+        for (i, a) in own.iter().enumerate().skip(1) {
+            if pivot <= 0.0 {
+                return false;
+            }
+            pivot = sign * (l - a) - off(i - 1) * off(i - 1) / pivot;
+        }
+        pivot > 0.0
+    };
+    let halve = |mut out: f64, mut inside: f64, sign: f64| {
+        // 64 halvings pass the last digit of the size of the matrix.
+        for _ in 0..64 {
+            let middle = 0.5 * (out + inside);
+            if definite(middle, sign) { out = middle } else { inside = middle }
+        }
+        out
+    };
+    (halve(low, high, -1.0), halve(high, low, 1.0))
+}

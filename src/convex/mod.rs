@@ -55,6 +55,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod chance;
 pub mod curve;
 pub mod factor;
 mod inverse;
@@ -70,6 +71,7 @@ pub mod subspace;
 pub mod upper;
 mod vectors;
 
+pub use chance::Chance;
 pub use curve::{Curve, Effort, Options, Prover};
 pub use inverse::Passing;
 pub use patches::{Elements, Patches};

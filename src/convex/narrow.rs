@@ -49,8 +49,8 @@ impl Curve {
             known[worst] = self.bounds(asked[worst]);
             if known[worst].step_width() > 0.9 * before.min(1e300) {
                 hopeless[worst] = true;
-                // Patches are too high by a part that varies slowly: close by nothing else can be expected.
-                let patches = matches!(self.prover, Prover::Patches(_));
+                // Patches, and chance, are too high by a part that varies slowly: close by nothing else can be expected.
+                let patches = !matches!(self.prover, Prover::Whole(_));
                 let place = |t: f64| (t / self.unit).asinh();
                 for i in 0..asked.len() {
                     let other = asked[i].place(known[i].lower);

@@ -7,9 +7,13 @@ use super::pencil::MeshPencil;
 use super::subspace::Subspace;
 use crate::error::Refusal;
 
-/// |A x - theta M x| over theta of mu and f(0): no eigenvalue is farther off, and most are nearer by the square. One number,
-/// so that f(0) does not depend on what is asked afterwards: it is the reference of meshes.
-pub(super) const TOLERANCE: f64 = 1e-6;
+/// |A x - theta M x| over theta of mu and f(0): no eigenvalue is farther off, and most are nearer by the square, over their
+/// distance to the next. One number, so that f(0) does not depend on what is asked afterwards: it is the reference of
+/// meshes.
+pub(super) const TOLERANCE: f64 = 1e-8;
+
+/// How closely f(0) is proven by a factorisation, as a width of the step: what is left widens every enclosure of a point.
+pub(super) const CLOSEST: f64 = 1e-11;
 
 /// The top of the contact-free pencil, found once for all provers.
 #[derive(Debug, Clone)]
@@ -39,7 +43,7 @@ impl Start {
         Ok(Self { operator, vector, mesh })
     }
 
-    /// f(0) from below, to [`TOLERANCE`].
+    /// f(0) from below; the error is that of a Ritz value whose vector is right to some [`TOLERANCE`].
     pub fn mesh(&self) -> f64 {
         self.mesh
     }

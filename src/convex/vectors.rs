@@ -80,3 +80,14 @@ pub(super) fn pseudo_random(n: usize, seed: u64) -> Vec<f64> {
     };
     (0..n).map(|_| next()).collect()
 }
+
+/// Normally distributed numbers, the same in every run (Box and Muller).
+pub(super) fn pseudo_normal(n: usize, seed: u64) -> Vec<f64> {
+    let uniform = pseudo_random(2 * n, seed);
+    let pair = |pair: &[f64]| {
+        // From (-1, 1) to (0, 1); 0 itself is one of 2^53.
+        let u = (0.5 * (pair[0] + 1.0)).max(f64::MIN_POSITIVE);
+        (-2.0 * u.ln()).sqrt() * (std::f64::consts::PI * pair[1]).cos()
+    };
+    uniform.chunks(2).map(pair).collect()
+}

@@ -1,4 +1,7 @@
 //! Scenes of meshes from TOML. Every refusal names the file, the line and the key.
+//!
+//! The sides of a box are named as in a right-handed view with z towards the eye: `left` and `right` are the ends of x, `bottom`
+//! and `top` those of y, in space too, `back` and `front` those of z.
 
 use std::path::Path;
 

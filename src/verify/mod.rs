@@ -51,10 +51,12 @@
 //! trial, with one exception: the Park scheme has the contact-free critical step dt_c as a parameter, and that comes
 //! from the contact-free spectrum.
 
+mod any;
 mod lattice;
 mod prediction;
 mod trial;
 
+pub use any::{Seconds, limit_of_any};
 pub use prediction::{Confirmation, Prediction, Predictor, confirm};
 pub use trial::LATE_RISE;
 
@@ -70,7 +72,7 @@ use crate::spectrum::Evidence;
 use crate::stability::Model;
 
 use lattice::Lattice;
-use trial::Trials;
+use trial::{Stepped, Trials};
 
 /// Steps that show a growth of `growth` (ln of the factor a step) in a search to `tolerance`, if the growing mode holds
 /// about `share` of the start. A short trial must exceed the threshold, from one part in e^10 of this share; in a long one
@@ -213,7 +215,7 @@ pub fn limit_from(
     penalty: Penalty,
     search: &Search,
 ) -> Result<Limit, Refusal> {
-    Lattice::new(&Trials::new(model, scheme, penalty, search)?).limit(first)
+    Lattice::new(&Trials::new(Stepped::bars(model)?, scheme, penalty, search)?).limit(first)
 }
 
 /// Refuses what cannot be stepped at all: the diagonalised mass penalty of a pair.
@@ -222,7 +224,7 @@ pub fn limit_from(
 /// See [`Scheme::start`].
 pub fn check(model: &Model, scheme: &dyn Scheme, search: &Search) -> Result<(), Refusal> {
     let penalty = model.penalty(StiffnessPenalty::new(1.0)?, Ratio::OPTIMAL);
-    Trials::new(model, scheme, penalty, search)?.start(1.0).map(|_| ())
+    Trials::new(Stepped::bars(model)?, scheme, penalty, search)?.start(1.0).map(|_| ())
 }
 
 /// [`largest_stable_courant`] of every point, in parallel; in the order of `points`.

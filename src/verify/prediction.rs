@@ -7,7 +7,7 @@ use crate::spectrum::{Engine as _, Evidence, Step, StepLimit};
 use crate::stability::Model;
 
 use super::lattice::Lattice;
-use super::trial::Trials;
+use super::trial::{Stepped, Trials};
 use super::{Limit, Point, Search, steps_to_show};
 
 /// A predicted limit and what a run just above it does.
@@ -121,7 +121,7 @@ pub fn confirm(
     model.check(point.stiffness_penalty, point.ratio)?;
     let search = Search::to(tolerance, scheme)?;
     let penalty = model.penalty(point.stiffness_penalty, point.ratio);
-    let trials = Trials::new(model, scheme, penalty, &search)?;
+    let trials = Trials::new(Stepped::bars(model)?, scheme, penalty, &search)?;
     let found = Lattice::new(&trials).limit(predicted.as_ref().map_or(1.0, |p| p.courant))?;
     let mut agrees = predicted.as_ref().and_then(|predicted| found.judge(predicted, tolerance));
     for (low, high) in predicted.iter().flat_map(|predicted| &predicted.islands) {

@@ -30,48 +30,62 @@ pub(super) struct Trial {
     pub steps: u64,
 }
 
+/// What is stepped.
+pub(super) struct Stepped {
+    /// K, M and the contacts, at rest.
+    pub pencil: Pencil,
+    /// dt_c, s, without contact: a parameter of the Park scheme.
+    pub critical_step: f64,
+    /// dt of the Courant number 1, s.
+    pub unit: f64,
+}
+
+impl Stepped {
+    /// Bars.
+    pub fn bars(model: &Model) -> Result<Self, Refusal> {
+        let critical_step = contact_free_step(model)?;
+        Ok(Self { pencil: model.pencil().at_rest(), critical_step, unit: model.time_step(1.0) })
+    }
+}
+
 /// What the trials of one point share: no part of it comes from a prediction.
 pub(super) struct Trials<'a> {
-    model: &'a Model,
-    pencil: Pencil,
+    stepped: Stepped,
     penalty: Penalty,
     scheme: &'a dyn Scheme,
-    critical_step: f64,
     pub search: Search,
 }
 
 impl<'a> Trials<'a> {
     /// Trials with `penalty`, from contacts at rest.
     pub fn new(
-        model: &'a Model,
+        stepped: Stepped,
         scheme: &'a dyn Scheme,
         penalty: Penalty,
         search: &Search,
     ) -> Result<Self, Refusal> {
-        let search = search.checked()?;
-        let (pencil, critical_step) = (model.pencil().at_rest(), contact_free_step(model)?);
-        Ok(Self { model, pencil, penalty, scheme, critical_step, search })
+        Ok(Self { stepped, penalty, scheme, search: search.checked()? })
     }
 
     /// The motion at a Courant number, from u = 0 and pseudo-random velocities.
     pub fn start(&self, courant: f64) -> Result<Box<dyn Motion>, Refusal> {
         let system = System {
-            pencil: &self.pencil,
+            pencil: &self.stepped.pencil,
             penalty: self.penalty,
             load: Vec::new(),
-            time_step: self.model.time_step(courant),
-            critical_step: self.critical_step,
+            time_step: courant * self.stepped.unit,
+            critical_step: self.stepped.critical_step,
             rule: ContactRule::HeldClosed,
             account: false,
         };
-        let n = self.pencil.size();
+        let n = self.stepped.pencil.size();
         self.scheme.start(system, vec![0.0; n], pseudo_random(n))
     }
 
     /// A trial of at most `steps` steps.
     pub fn run(&self, courant: f64, steps: u64) -> Result<Trial, Refusal> {
         let mut motion = self.start(courant)?;
-        let start = squared_size(&self.pencil, motion.state());
+        let start = squared_size(&self.stepped.pencil, motion.state());
         let bound = self.search.threshold().powi(2) * start;
         let mut windows = Windows::new(steps);
         for step in 1..=steps {
@@ -80,7 +94,7 @@ impl<'a> Trials<'a> {
                 continue;
             }
             interrupt::look();
-            let now = squared_size(&self.pencil, motion.state());
+            let now = squared_size(&self.stepped.pencil, motion.state());
             if now.is_nan() || now > bound {
                 // Not a number follows from infinity: the last finite size told the growth as well as any.
                 let last = if now.is_finite() { now } else { f64::MAX.min(bound) };

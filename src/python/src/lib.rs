@@ -8,6 +8,7 @@ mod asked;
 mod impact;
 mod map;
 mod model;
+mod stepped;
 mod work;
 
 use bipenalty::error::{Error, Refusal};

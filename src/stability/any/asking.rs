@@ -112,7 +112,7 @@ pub enum Prover {
     },
     /// Nothing: Lanczos from a random start, with a probability of being wrong.
     Chance {
-        /// That probability, for all points together.
+        /// That probability, for each search.
         probability: f64,
         /// Steps of each search.
         steps: usize,

@@ -5,7 +5,7 @@ use super::mesh::MeshModel;
 use crate::convex::{Asked, Curve, Enclosed, Prover, TooWide};
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
-use crate::spectrum::{Enclosure, Step, Uncertified};
+use crate::spectrum::{Enclosure, Evidence, Step, Uncertified};
 use crate::stability::{self, CriticalStep, Grid, MapPoint, model};
 
 /// The engine in records, by what proves its bounds.
@@ -13,6 +13,7 @@ pub(super) fn engine(prover: &Prover) -> &'static str {
     match prover {
         Prover::Whole(_) => "convex",
         Prover::Patches(_) => "convex-patches",
+        Prover::Chance(_) => "convex-chance",
     }
 }
 
@@ -22,16 +23,16 @@ const BOUND: &str = "convex-bound";
 impl MeshModel {
     pub(super) fn map(&self, grid: &Grid, asking: &Asking) -> Result<Vec<stability::Curve>, Refusal> {
         let reference = self.reference()?;
-        let (steps, engine) = match asking.limit.scheme() {
+        let Found { steps, engine, error } = match asking.limit.scheme() {
             None => self.spectrum(grid, asking, reference)?,
-            Some(_) => (self.predictor_corrector(grid, asking, reference)?, BOUND),
+            Some(_) => self.predictor_corrector(grid, asking, reference)?,
         };
         let mut steps = steps.into_iter();
         let mut curve = |ratio: &Ratio| {
             let steps = steps.by_ref().take(grid.stiffness_penalties.len());
             let point = |(beta_s, step): (&StiffnessPenalty, Result<Step, Uncertified>)| MapPoint {
                 stiffness_penalty: *beta_s,
-                step: step.map(|step| critical_step(reference, step)),
+                step: step.map(|step| critical_step(reference, error, step)),
                 engine,
             };
             let points = grid.stiffness_penalties.iter().zip(steps).map(point).collect();
@@ -40,32 +41,37 @@ impl MeshModel {
         Ok(grid.ratios.iter().map(&mut curve).collect())
     }
 
-    fn spectrum(
-        &self,
-        grid: &Grid,
-        asking: &Asking,
-        reference: f64,
-    ) -> Result<(Steps, &'static str), Refusal> {
+    fn spectrum(&self, grid: &Grid, asking: &Asking, reference: f64) -> Result<Found, Refusal> {
         let asked: Vec<Asked> = pairs(grid).map(|(r, b)| Asked::of(b.get(), r.get(), reference)).collect();
         self.with_curve(asking, |curve| {
-            let found = curve.enclose_to(&asked, asking.width(asked.len()));
-            let steps = found.into_iter().map(|found| step(found, asking, curve.prover())).collect();
-            Ok((steps, engine(curve.prover())))
+            let (width, error) = (asking.width(asked.len()), self.reference_error(curve));
+            let found = curve.enclose_to(&asked, (width - error).max(0.5 * width));
+            let prover = curve.prover();
+            let point = |(asked, found): (&Asked, Result<Enclosed, TooWide>)| {
+                let step = step(found, asking, prover)?;
+                // With m/(1 + e) for m the root of f(s - l m) = l moves up, and by no more than e: f(s - l m) = l itself
+                // lies at l (1 + e) or above.
+                let more = if asked.mass > 0.0 { error } else { 0.0 };
+                Ok(Step { l: Enclosure { upper: step.l.upper * (1.0 + more), ..step.l }, ..step })
+            };
+            let steps = asked.iter().zip(found).map(point).collect();
+            Ok(Found { steps, engine: engine(prover), error })
         })
     }
 
     /// dt^2 = 1/(r omega^2) + 1/(beta_s l_max(P, M)), no more than the contact-free limit.
-    fn predictor_corrector(&self, grid: &Grid, asking: &Asking, reference: f64) -> Result<Steps, Refusal> {
+    fn predictor_corrector(&self, grid: &Grid, asking: &Asking, reference: f64) -> Result<Found, Refusal> {
         let width = asking.width(grid.len());
         self.with_curve(asking, |curve| {
+            let error = self.reference_error(curve);
             let found = curve.enclose_to(&[Asked { stiffness: 0.0, mass: 0.0 }], width);
             let free = found.into_iter().map(|found| step(found, asking, curve.prover())).next();
             let at = |(r, b): (Ratio, StiffnessPenalty)| match free {
-                Some(Ok(free)) => Ok(bound(curve, free.l, reference, r.get(), b.get())),
+                Some(Ok(free)) => Ok(bound(curve, free.l, reference * (1.0 + error), r.get(), b.get())),
                 Some(Err(wide)) => Err(wide),
                 None => Err(Uncertified { value: f64::NAN, width: f64::INFINITY }),
             };
-            Ok(pairs(grid).map(at).collect())
+            Ok(Found { steps: pairs(grid).map(at).collect(), engine: BOUND, error })
         })
     }
 }
@@ -87,10 +93,15 @@ fn bound(curve: &Curve, free: Enclosure, reference: f64, ratio: f64, beta_s: f64
     Step::at_least(Enclosure { value: lower.max(contact), lower, upper: upper.max(contact) })
 }
 
-/// Points, ratio by ratio.
-type Steps = Vec<Result<Step, Uncertified>>;
+/// Limits, ratio by ratio.
+struct Found {
+    steps: Vec<Result<Step, Uncertified>>,
+    engine: &'static str,
+    /// How far the reference may lie above its number, relative.
+    error: f64,
+}
 
-/// What was found, if it is as narrow as asked; of patches any proof is good where nothing was asked.
+/// What was found, if it is as narrow as asked; of patches and chance any bound is good where nothing was asked.
 pub(super) fn step(
     found: Result<Enclosed, TooWide>,
     asking: &Asking,
@@ -98,14 +109,18 @@ pub(super) fn step(
 ) -> Result<Step, Uncertified> {
     let enclosed = match (found, prover) {
         (Ok(enclosed), _) => enclosed,
-        (Err(TooWide { enclosed, .. }), Prover::Patches(_))
+        (Err(TooWide { enclosed, .. }), Prover::Patches(_) | Prover::Chance(_))
             if asking.tolerance.is_none() && enclosed.step_width() <= Asking::BY_PATCHES =>
         {
             enclosed
         }
         (Err(wide), _) => return Err(uncertified(wide.enclosed)),
     };
-    Ok(Step::proven(enclosure(enclosed)))
+    let evidence = match prover {
+        Prover::Whole(_) | Prover::Patches(_) => Evidence::Proven,
+        Prover::Chance(chance) => Evidence::Probability(chance.probability()),
+    };
+    Ok(Step { l: enclosure(enclosed), evidence })
 }
 
 /// The lower bound is the value: a Ritz value, which errs by far less than the proof above it.
@@ -118,7 +133,8 @@ fn uncertified(Enclosed { lower, upper }: Enclosed) -> Uncertified {
     Uncertified { value: lower, width: if lower > 0.0 { upper / lower - 1.0 } else { f64::INFINITY } }
 }
 
-/// In units of the reference: C = omega_ref dt/2.
-fn critical_step(reference: f64, step: Step) -> CriticalStep {
-    model::critical_step(0.25 * reference, step)
+/// In units of the reference, which may be larger by a part: C = omega_ref dt/2.
+fn critical_step(reference: f64, error: f64, step: Step) -> CriticalStep {
+    let found = model::critical_step(0.25 * reference, step);
+    CriticalStep { upper: found.upper * (1.0 + error), ..found }
 }

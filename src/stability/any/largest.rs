@@ -151,6 +151,8 @@ pub(super) struct Given {
     /// 4/dt^2 and omega_ref^2, rad^2/s^2.
     l: f64,
     reference: f64,
+    /// What rounding, and what is left of the reference, may take, relative.
+    margin: f64,
     kind: Kind,
 }
 
@@ -179,13 +181,14 @@ impl MeshModel {
             if l < lower * (1.0 - MARGIN) {
                 return Ok(Ok(None));
             }
+            let margin = MARGIN + self.reference_error(curve);
             let kind = match asking.limit.scheme() {
                 None => Kind::Spectrum(curve.passing(l, asking.width(1))),
                 Some(_) if l >= upper => Kind::PredictorCorrector(curve.upper().slope()),
                 // Between the bounds of the contact-free limit nothing is known.
                 Some(_) => Kind::PredictorCorrector(f64::INFINITY),
             };
-            Ok(Ok(Some(Given { l, reference, kind })))
+            Ok(Ok(Some(Given { l, reference, margin, kind })))
         })?;
         Ok(found.map_err(Error::from)?.map(|given| of(&given)))
     }
@@ -197,7 +200,7 @@ impl Given {
         match &self.kind {
             Kind::Spectrum(passing) => {
                 let share = 1.0 - self.l / (ratio * self.reference);
-                let lost = MARGIN * (1.0 + self.l / (ratio * self.reference));
+                let lost = self.margin * (1.0 + self.l / (ratio * self.reference));
                 // Below the contact-free limit by less than its own width nothing is proven.
                 let within = passing.lower >= 0.0;
                 if share + lost <= 0.0 && within {
@@ -211,8 +214,9 @@ impl Given {
                 Largest { value: upper, lower, upper }
             }
             Kind::PredictorCorrector(mu) => {
-                let left = (4.0 / self.l) * (1.0 + MARGIN) - 1.0 / (ratio * self.reference) * (1.0 - MARGIN);
-                at_most(if left > 0.0 { 1.0 / (mu * left) * (1.0 - MARGIN) } else { f64::INFINITY })
+                let left = (4.0 / self.l) * (1.0 + self.margin)
+                    - 1.0 / (ratio * self.reference) * (1.0 - self.margin);
+                at_most(if left > 0.0 { 1.0 / (mu * left) * (1.0 - self.margin) } else { f64::INFINITY })
             }
         }
     }
@@ -225,16 +229,16 @@ impl Given {
                 // r <= x beta_s/(beta_s - t), with t = f^-1(l).
                 let of = |t: f64| if t >= beta_s { f64::INFINITY } else { x * beta_s / (beta_s - t) };
                 let ends = |t: f64, margin: f64| of(t + margin * (t.abs() + beta_s)) * (1.0 + margin);
-                let lower = if passing.lower >= 0.0 { ends(passing.lower, -MARGIN) } else { 0.0 };
-                let upper = ends(passing.upper, MARGIN);
+                let lower = if passing.lower >= 0.0 { ends(passing.lower, -self.margin) } else { 0.0 };
+                let upper = ends(passing.upper, self.margin);
                 Largest { value: upper, lower, upper }
             }
             Kind::PredictorCorrector(mu) if mu.is_infinite() => at_most(0.0),
             Kind::PredictorCorrector(mu) => {
                 let own = if beta_s == 0.0 { f64::INFINITY } else { 1.0 / (beta_s * mu) };
-                let left = (4.0 / self.l) * (1.0 + MARGIN) - own * (1.0 - MARGIN);
+                let left = (4.0 / self.l) * (1.0 + self.margin) - own * (1.0 - self.margin);
                 at_most(if left > 0.0 {
-                    1.0 / (self.reference * left) * (1.0 - MARGIN)
+                    1.0 / (self.reference * left) * (1.0 - self.margin)
                 } else {
                     f64::INFINITY
                 })

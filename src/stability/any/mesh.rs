@@ -35,12 +35,15 @@ pub struct MeshModel {
     known: Mutex<Known>,
 }
 
+/// What the prover of a curve depends on.
+type Wanted = (Option<usize>, Option<u64>, Option<u64>);
+
 /// What was computed so far.
 #[derive(Debug, Default)]
 struct Known {
     start: Option<Start>,
     /// The curve of the last prover that was asked for.
-    curve: Option<(Option<usize>, Curve)>,
+    curve: Option<(Wanted, Curve)>,
 }
 
 impl MeshModel {
@@ -133,8 +136,9 @@ impl MeshModel {
         self.meshed.as_ref().map(|meshed| &meshed.elements)
     }
 
-    /// omega_ref^2, rad^2/s^2: as given, or l_max(K, M) as computed to 1e-6, a lower bound of it. The same number
-    /// whatever else is asked.
+    /// omega_ref^2, rad^2/s^2: as given, or l_max(K, M) as computed, a lower bound of it. The same number whatever else is
+    /// asked. Where the whole matrix is factorised, each enclosure is wide enough for the rest, some 1e-11, so that it holds
+    /// for l_max(K, M) itself; patches prove it only as closely as they are large, and their enclosures hold for the number.
     ///
     /// # Errors
     /// A mass that is not positive definite; a factor of it that does not fit into memory; a stiffness that resists nothing.
@@ -152,6 +156,11 @@ impl MeshModel {
             value,
             "a stiffness that resists, or a number",
         ))
+    }
+
+    /// How far the reference of a mesh may lie above the number, relative.
+    pub(super) fn reference_error(&self, curve: &Curve) -> f64 {
+        if self.given.is_some() { 0.0 } else { curve.mesh_error() }
     }
 
     /// Refuses what does not apply.
@@ -203,7 +212,13 @@ impl MeshModel {
         use_it: impl FnOnce(&mut Curve) -> Result<R, Refusal>,
     ) -> Result<R, Refusal> {
         let mut known = self.known();
-        let mut curve = match known.curve.take().filter(|(patch, _)| *patch == asking.patch) {
+        let wanted = (asking.patch, asking.memory, asking.tolerance.map(f64::to_bits));
+        // The width matters to evidence by chance alone.
+        let same = |(was, curve): &(Wanted, Curve)| {
+            let chance = matches!(curve.prover(), convex::Prover::Chance(_));
+            (was.0, was.1) == (wanted.0, wanted.1) && (!chance || was.2 == wanted.2)
+        };
+        let mut curve = match known.curve.take().filter(same) {
             Some((_, curve)) => curve,
             None => {
                 let start = self.start(&mut known, asking)?.clone();
@@ -212,7 +227,7 @@ impl MeshModel {
         };
         // A curve that was interrupted is not kept.
         let used = use_it(&mut curve);
-        known.curve = Some((asking.patch, curve));
+        known.curve = Some((wanted, curve));
         used
     }
 

@@ -34,6 +34,7 @@ mod mesh;
 mod optimal;
 mod prover;
 mod scene;
+mod stepping;
 
 pub use asking::{Asking, LimitOf, Plan, Prover};
 pub use governing::{ContactShare, Governing};
@@ -119,7 +120,7 @@ impl AnyModel {
     }
 
     /// omega_ref^2, rad^2/s^2, in which the ratio is measured: of the elements at contacts for bars; of the contact-free
-    /// mesh, as computed to 1e-6, or as given.
+    /// mesh as [`MeshModel::reference`] has it, or as given.
     ///
     /// # Errors
     /// As [`MeshModel::reference`].

@@ -97,7 +97,8 @@ impl MeshModel {
         if b == 0.0 || self.pencil().contacts().is_empty() {
             return Ok(None);
         }
-        let down = 1.0 - 8.0 * f64::EPSILON;
+        let error = self.with_curve(asking, |curve| Ok(self.reference_error(curve)))?;
+        let down = 1.0 - 8.0 * f64::EPSILON - error;
         if asking.limit.scheme().is_some() {
             let mu = self.with_curve(asking, |curve| Ok(curve.upper().slope()))?;
             let left = 4.0 / free.lower - 1.0 / (b * mu);

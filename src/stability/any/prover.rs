@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::asking::{Asking, Prover};
 use super::mesh::{MeshModel, Meshed};
 use crate::convex::patches::ElementMatrices;
-use crate::convex::{self, Patches};
+use crate::convex::{self, Chance, Patches};
 use crate::error::Refusal;
 use crate::memory;
 use crate::mesh::{self, HELD};
@@ -36,8 +36,22 @@ impl MeshModel {
                 let edge = EDGES[usize::from(meshed.elements.dimension == 3)];
                 self.patches(meshed, edge, allowed)
             }
-            (None, _) => whole(),
+            (None, _) => whole().or_else(|refusal| match asking.limit.scheme() {
+                // A bound below another bound would hide its probability.
+                Some(_) => Err(refusal),
+                None => self.chance(asking, refusal),
+            }),
         }
+    }
+
+    /// Without elements and without the memory for a factor.
+    fn chance(&self, asking: &Asking, refusal: Refusal) -> Result<(convex::Prover, Prover), Refusal> {
+        if !self.pencil().mass().is_diagonal() {
+            return Err(refusal);
+        }
+        let chance = Chance::new(self.pencil(), asking.tolerance.unwrap_or(Asking::MANY))?;
+        let named = Prover::Chance { probability: chance.probability(), steps: chance.steps() };
+        Ok((convex::Prover::Chance(Box::new(chance)), named))
     }
 
     /// Whether the factor of the whole matrix may fit: its least size is known before its pattern.
