@@ -66,7 +66,8 @@ pub(super) fn symmetrised(read: &Csr, place: impl Fn(u32, u32) -> String) -> Res
                 return Err(Refusal::new(place(row as u32, *column), value, allowed));
             }
             mean.push((row as u32, *column, 0.5 * (value + other)));
-            if other == 0.0 {
+            // A mirror that is not stored has no turn of its own; one that is stored as 0 has.
+            if read.row(*column as usize).0.binary_search(&(row as u32)).is_err() {
                 mean.push((*column, row as u32, 0.5 * value));
             }
         }

@@ -5,7 +5,7 @@ What is given stays as it is: nothing here changes a matrix of the caller.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 
@@ -15,6 +15,15 @@ if TYPE_CHECKING:
 Floats: TypeAlias = "NDArray[np.float64]"
 Rows: TypeAlias = "tuple[tuple[int, int], NDArray[np.int64], NDArray[np.uint32], Floats]"
 """Shape; where rows start; columns; values."""
+
+
+class Sparse(Protocol):
+    """A matrix of scipy.sparse, in any format."""
+
+    def tocsr(self, copy: bool = ...) -> Any:
+        """Return the same by rows."""
+        ...
+
 
 # Indices are 32 bits wide.
 _MOST = 2**32 - 1

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from ._matrices import Sparse
+
     _Asked = tuple[str, float | None, str, float | None]
 
 _GAMMAS = {"lumped": 1.0, "averaged": 0.5, "consistent": 0.0}
@@ -112,9 +114,9 @@ class Model:
     @classmethod
     def from_matrices(
         cls,
-        K: ArrayLike,
-        M: ArrayLike,
-        Z: ArrayLike,
+        K: ArrayLike | Sparse,
+        M: ArrayLike | Sparse,
+        Z: ArrayLike | Sparse,
         *,
         scales: ArrayLike | None = None,
         reference: float | str = "mesh",

@@ -1,7 +1,9 @@
 //! What is asked of a model, in the words of Python.
 
+use std::sync::Arc;
+
 use bipenalty::error::Refusal;
-use bipenalty::schemes::SchemeName;
+use bipenalty::schemes::{Scheme, SchemeName};
 use bipenalty::stability::{Asking, LimitOf};
 use pyo3::prelude::*;
 
@@ -36,8 +38,17 @@ fn limit_of(limit: &str, theta: Option<f64>) -> Result<LimitOf, Refusal> {
         || format!("{}, {}", LimitOf::Spectrum.name(), SchemeName::ALL.map(SchemeName::name).join(", "));
     let refusal = |_| Refusal::new("limit", format!("{limit:?}"), names());
     let scheme: SchemeName = limit.parse().map_err(refusal)?;
-    Ok(LimitOf::Scheme(match theta {
-        Some(theta) => scheme.with_theta(theta)?,
-        None => scheme.into(),
-    }))
+    scheme_of(scheme.name(), theta).map(LimitOf::Scheme)
+}
+
+/// The scheme called `name`, with the theta of the Park scheme.
+///
+/// # Errors
+/// A name that is not known; a theta outside [0, 1].
+pub fn scheme_of(name: &str, theta: Option<f64>) -> Result<Arc<dyn Scheme>, Refusal> {
+    let name: SchemeName = name.parse()?;
+    match theta {
+        Some(theta) => name.with_theta(theta),
+        None => Ok(name.into()),
+    }
 }

@@ -9,6 +9,7 @@ mod distributed;
 mod impact;
 mod map;
 mod model;
+mod stepped;
 mod work;
 
 use bipenalty::error::{Error, Refusal};

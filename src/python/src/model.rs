@@ -9,20 +9,21 @@ use bipenalty::impact::Run;
 use bipenalty::matrices::{Matrices, Reference};
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::Matrix;
-use bipenalty::schemes::{Onset, Scheme, SchemeName};
+use bipenalty::schemes::Onset;
 use bipenalty::spectrum::{Engine as _, Evidence, Step};
 use bipenalty::stability::{
     AnyModel, AnyScene, Asking, Auto, Axis, ContactShare, CriticalStep, EngineName, Grid, MapPoint,
     MeshModel, Model,
 };
-use bipenalty::verify::{Point, Predictor, confirm};
+use bipenalty::verify::Point;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{MassOrRows, Parts, Rows, fingerprint, parts};
-use crate::asked::Asked;
+use crate::asked::{Asked, scheme_of};
 use crate::map::Map;
+use crate::stepped::{SteppedTuple, stepped};
 use crate::work::{Watch, long};
 use crate::{failed, impact, refused, uncertified};
 
@@ -118,15 +119,6 @@ pub fn seconds(model: &AnyModel, point: &MapPoint) -> Result<[f64; 3], Refusal> 
     // A root and a quotient more than in C_r.
     let margin = 2.0 * f64::EPSILON;
     Ok([of(step.critical_courant)?, of(step.lower)? * (1.0 - margin), of(step.upper)? * (1.0 + margin)])
-}
-
-/// The scheme called `name`; theta is for Park's alone.
-fn scheme_of(name: &str, theta: Option<f64>) -> Result<Arc<dyn Scheme>, Refusal> {
-    let name: SchemeName = name.parse()?;
-    match theta {
-        Some(theta) => name.with_theta(theta),
-        None => Ok(name.into()),
-    }
 }
 
 #[pymethods]
@@ -310,24 +302,14 @@ impl Core {
         scheme: &str,
         theta: Option<f64>,
         tolerance: Option<f64>,
-    ) -> PyResult<([f64; 3], u64, f64, Option<bool>)> {
-        let model = self.bars("verify")?.clone();
-        let scheme = scheme_of(scheme, theta).map_err(refused)?;
+    ) -> PyResult<SteppedTuple> {
+        let (model, scheme) = (self.model()?, scheme_of(scheme, theta).map_err(refused)?);
         // As verify-limits has them: trials of some 1e4 and 1e6 steps.
         let usual = if scheme.facts().onset == Onset::SquareRoot { 1e-6 } else { 1e-4 };
         let tolerance = tolerance.unwrap_or(usual);
         let stiffness_penalty = StiffnessPenalty::new(beta_s).map_err(refused)?;
         let point = Point { stiffness_penalty, ratio: Ratio::new(ratio).map_err(refused)? };
-        let find = move |_: &Watch| {
-            let pencil = model.pencil();
-            let predicted = Predictor::new(&model, &pencil, &*scheme)?.at(point, tolerance)?;
-            let predicted_courant = predicted.courant;
-            let found = confirm(&model, &*scheme, point, tolerance, Some(predicted))?;
-            let courants = [predicted_courant, found.found.stable_at, found.found.unstable_at];
-            let seconds = courants.map(|courant| model.time_step(courant));
-            Ok((seconds, found.found.steps, found.found.growth, found.agrees))
-        };
-        long(py, 1, None, find)?.map_err(refused)
+        long(py, 1, None, move |_| stepped(&model, scheme, point, tolerance))?.map_err(failed)
     }
 
     /// The arrays and numbers of a run by name.
