@@ -3,10 +3,59 @@
 //! A symmetric matrix is stored whole, so that a row is its column and a product needs one pass. Column indices are
 //! 32 bits wide: a product is bound by memory, and reads 12 bytes an entry.
 
+use std::fmt::{Debug, Formatter};
+use std::ops::Deref;
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 /// Rows that one task of a parallel product takes.
 const ROWS: usize = 4096;
+
+/// Entries that a matrix owns, or that it shares with another owner, such as an array of another language: millions of
+/// them need not be copied.
+#[derive(Clone)]
+pub enum Entries<T> {
+    /// Of this matrix alone.
+    Owned(Vec<T>),
+    /// Of somebody else, who must not change them.
+    Shared(Arc<dyn AsRef<[T]> + Send + Sync>),
+}
+
+impl<T> Deref for Entries<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        match self {
+            Self::Owned(entries) => entries,
+            Self::Shared(entries) => (**entries).as_ref(),
+        }
+    }
+}
+
+impl<T> Default for Entries<T> {
+    fn default() -> Self {
+        Self::Owned(Vec::new())
+    }
+}
+
+impl<T> From<Vec<T>> for Entries<T> {
+    fn from(entries: Vec<T>) -> Self {
+        Self::Owned(entries)
+    }
+}
+
+impl<T: PartialEq> PartialEq for Entries<T> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl<T: Debug> Debug for Entries<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        (**self).fmt(f)
+    }
+}
 
 /// A sparse matrix by rows, `rows` x `columns`; the columns of each row ascend and occur once.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -15,8 +64,8 @@ pub struct Csr {
     /// Where each row starts in `indices` and `values`; one more at the end.
     starts: Vec<usize>,
     /// Columns.
-    indices: Vec<u32>,
-    values: Vec<f64>,
+    indices: Entries<u32>,
+    values: Entries<f64>,
 }
 
 /// A sparse column, such as the gap z of one contact: (index, entry) with ascending indices.
@@ -49,37 +98,27 @@ impl Csr {
             sorted[next[*row as usize]] = (*column, *value);
             next[*row as usize] += 1;
         }
-        let mut matrix = Self { columns, starts: vec![0], indices: Vec::new(), values: Vec::new() };
+        let (mut indices, mut values) =
+            (Vec::with_capacity(entries.len()), Vec::with_capacity(entries.len()));
+        let mut ends = vec![0];
         for row in 0..rows {
             let entries = &mut sorted[starts[row]..starts[row + 1]];
             entries.sort_by_key(|(column, _)| *column);
-            matrix.push_row(entries);
+            push_row(entries, &mut indices, &mut values);
+            ends.push(indices.len());
         }
-        matrix
+        Self::from_parts(columns, ends, indices, values)
     }
 
     /// The matrix of `columns` columns whose row i has the entries `starts[i]..starts[i + 1]`; in each row the columns
     /// ascend and occur once.
-    pub fn from_parts(columns: usize, starts: Vec<usize>, indices: Vec<u32>, values: Vec<f64>) -> Self {
-        Self { columns, starts, indices, values }
-    }
-
-    /// Appends a row whose columns ascend; equal ones are added.
-    fn push_row(&mut self, entries: &[(u32, f64)]) {
-        let start = self.indices.len();
-        for (column, value) in entries {
-            match self.indices[start..].last() {
-                Some(last) if last == column => {
-                    let at = self.values.len() - 1;
-                    self.values[at] += value;
-                }
-                _ => {
-                    self.indices.push(*column);
-                    self.values.push(*value);
-                }
-            }
-        }
-        self.starts.push(self.indices.len());
+    pub fn from_parts(
+        columns: usize,
+        starts: Vec<usize>,
+        indices: impl Into<Entries<u32>>,
+        values: impl Into<Entries<f64>>,
+    ) -> Self {
+        Self { columns, starts, indices: indices.into(), values: values.into() }
     }
 
     /// Number of rows.
@@ -121,13 +160,29 @@ impl Csr {
 
     /// y = A x, rows in parallel; the result does not depend on the number of threads.
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        let (starts, indices, entries) = self.parts();
         y.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, y)| {
             let first = chunk * ROWS;
             for (i, y) in y.iter_mut().enumerate() {
-                let (columns, values) = self.row(first + i);
-                *y = columns.iter().zip(values).map(|(column, value)| value * x[*column as usize]).sum();
+                let range = starts[first + i]..starts[first + i + 1];
+                let row = indices[range.clone()].iter().zip(&entries[range]);
+                *y = row.map(|(column, value)| value * x[*column as usize]).sum();
             }
         });
+    }
+}
+
+/// Appends the entries of a row whose columns ascend; equal ones are added.
+fn push_row(entries: &[(u32, f64)], indices: &mut Vec<u32>, values: &mut Vec<f64>) {
+    let start = indices.len();
+    for (column, value) in entries {
+        match (indices[start..].last(), values.last_mut()) {
+            (Some(last), Some(sum)) if last == column => *sum += value,
+            _ => {
+                indices.push(*column);
+                values.push(*value);
+            }
+        }
     }
 }
 

@@ -5,8 +5,9 @@
 
 use std::path::{Path, PathBuf};
 
-use bipenalty::matrices::{MatrixScene, Reference, parse};
+use bipenalty::matrices::{Matrices, MatrixScene, Reference, parse};
 use bipenalty::pencil::Matrix;
+use bipenalty::sparse::{Csr, SparseVector};
 
 /// A folder of its own for one case.
 fn folder(name: &str) -> PathBuf {
@@ -243,6 +244,20 @@ fn lund_has_its_largest_eigenvalue() {
         x.iter_mut().enumerate().for_each(|(i, x)| *x = y[(i, 0)] / norm);
     }
     assert!((largest / 2.20462364e6 - 1.0).abs() < 1e-8, "{largest}");
+}
+
+/// Rounding leaves what is zero on one side of the diagonal: stored or not, the mean is that of both.
+#[test]
+fn a_mirror_that_is_zero_counts_once() {
+    let bar = [(0, 0, 1.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 2.0), (1, 2, -1.0), (2, 1, -1.0), (2, 2, 1.0)];
+    let tiny = 1e-16;
+    for rounding in [vec![(0, 2, tiny)], vec![(0, 2, tiny), (2, 0, 0.0)], vec![(2, 0, tiny), (0, 2, 0.0)]] {
+        let k = Csr::from_triplets(3, 3, &[&bar[..], &rounding].concat());
+        let gaps = vec![SparseVector(vec![(2, 1.0)])];
+        let mass = Matrix::Diagonal(vec![1.0; 3]);
+        let read = Matrices::new(k, mass, gaps, None, Reference::Mesh).unwrap();
+        assert_eq!([read.stiffness.get(0, 2), read.stiffness.get(2, 0)], [0.5 * tiny; 2]);
+    }
 }
 
 fn folder_file(case: &str, name: &str, text: &str) -> PathBuf {

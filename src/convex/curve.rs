@@ -2,16 +2,15 @@
 
 use super::chance::Chance;
 use super::factor::{Factorisation, TooLarge, Verdict};
-use super::lanczos::{Search, largest};
-use super::operator::Operator;
+use super::lanczos::Search;
 use super::patches::Patches;
 use super::pencil::MeshPencil;
-
+use super::source::{Local, Source};
+use super::span::Line;
 use super::start::{self, Start};
-use super::subspace::{Line, Subspace};
 use super::upper::{Point, Upper};
-use super::vectors::dot;
 use crate::error::Refusal;
+use crate::interrupt;
 
 /// What proves that u M - a K - t P is semidefinite.
 #[derive(Debug)]
@@ -50,6 +49,7 @@ impl Prover {
     }
 
     pub(super) fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64) -> Verdict {
+        interrupt::look();
         match self {
             Self::Whole(factorisation) => factorisation.prove(u, a, t, margin),
             Self::Patches(patches) => patches.prove(u, a, t, margin),
@@ -94,21 +94,21 @@ pub struct Effort {
 }
 
 /// How closely the excess of a bound by patches is looked for, relative to itself.
-const CLOSELY: f64 = 0.02;
+const CLOSELY: f64 = 0.05;
 
-/// f of one pencil, with all that is known about it so far.
+/// f of one pencil, with all that is known about it so far. The pencil may lie anywhere: see [`Source`].
 #[derive(Debug)]
-pub struct Curve {
-    pub(super) operator: Operator,
-    pub(super) prover: Prover,
+pub struct Curve<S = Local> {
+    pub(super) source: S,
     pub(super) options: Options,
-    pub(super) subspace: Subspace,
     pub(super) lines: Vec<Line>,
     pub(super) upper: Upper,
     pub(super) effort: Effort,
     /// f(0) from below, and the t at which contact and mesh weigh alike, f(0)/mu.
     mesh: f64,
     pub(super) unit: f64,
+    /// How much higher than its lower bound the last bound by patches was, relative.
+    excess: f64,
 }
 
 impl Curve {
@@ -133,32 +133,60 @@ impl Curve {
     /// # Errors
     /// mu could not be proven.
     pub fn begin(start: Start, prover: Prover, options: Options) -> Result<Self, Refusal> {
-        let (mesh, vector) = (start.mesh(), start.vector);
-        let pencil = start.operator.pencil().clone();
-        let effort = Effort { memory: prover.memory(), ..Effort::default() };
-        let (subspace, upper) = (Subspace::new(&pencil), Upper::new(f64::INFINITY));
-        let mut curve = Self {
-            operator: start.operator,
-            prover,
-            options,
-            subspace,
-            lines: Vec::new(),
-            upper,
-            effort,
-            mesh,
-            unit: 1.0,
-        };
-        curve.ends(&vector)?;
+        let memory = prover.memory();
+        let mut curve = Self::of(Local::new(start, prover), options)?;
+        curve.effort.memory = memory;
         Ok(curve)
     }
 
-    /// mu = l_max(P, M), and f(0), whose vector is known: both proven.
-    fn ends(&mut self, top: &[f64]) -> Result<(), Refusal> {
+    /// What is left between f(0) and its proof, relative; of patches and chance, which reach no such digits, nothing.
+    pub fn mesh_error(&self) -> f64 {
+        match self.prover() {
+            Prover::Whole(_) => (self.upper.at(0.0, self.mesh) / self.mesh - 1.0).max(0.0),
+            Prover::Patches(_) | Prover::Chance(_) => 0.0,
+        }
+    }
+
+    /// What proves.
+    pub fn prover(&self) -> &Prover {
+        &self.source.prover
+    }
+
+    /// The vector of the largest Ritz value at t, x'Mx = 1 up to rounding: who governs the step there.
+    pub fn mode(&self, t: f64) -> Vec<f64> {
+        self.source.subspace.vector(&self.source.span().ritz(t))
+    }
+}
+
+impl<S: Source> Curve<S> {
+    /// The curve of a pencil that lies anywhere. The span of the source holds its top vector at t = 0, and no other.
+    ///
+    /// # Errors
+    /// mu could not be proven.
+    pub fn of(source: S, options: Options) -> Result<Self, Refusal> {
+        let (upper, effort) = (Upper::new(f64::INFINITY), Effort::default());
+        let mut curve = Self {
+            source,
+            options,
+            lines: Vec::new(),
+            upper,
+            effort,
+            mesh: f64::NAN,
+            unit: 1.0,
+            excess: 0.0,
+        };
+        if curve.dimension() > 0 {
+            curve.mesh = curve.lower_at(0.0);
+        }
+        curve.ends()?;
+        Ok(curve)
+    }
+
+    /// mu = l_max(P, M) and f(0), both proven.
+    fn ends(&mut self) -> Result<(), Refusal> {
         let mut slope = 0.0;
-        if !self.operator.pencil().contacts().is_empty() {
-            let search = Search { tolerance: start::TOLERANCE, ..self.search(false) };
-            let found = largest(&self.operator, (0.0, 1.0), None, &search);
-            self.subspace.add(&self.operator, &found.vector);
+        if self.source.has_contacts() {
+            let found = self.source.seek((0.0, 1.0), None, &start::search(&self.options));
             slope = self.climb(found.value, (0.0, 1.0), found.residual.max(1e-9 * found.value)).ok_or_else(
                 || {
                     Refusal::new(
@@ -170,14 +198,13 @@ impl Curve {
             )?;
         }
         self.upper = Upper::new(slope);
-        self.subspace.add(&self.operator, top);
         self.lower_at(0.0);
         self.unit = if slope > 0.0 { self.mesh.abs().max(f64::MIN_POSITIVE) / slope } else { 1.0 };
         if self.mesh.is_nan() || self.mesh <= 0.0 {
             self.unit = 1.0;
         }
         let asked = self.options.tolerance;
-        if matches!(self.prover, Prover::Whole(_)) {
+        if self.source.is_sharp() {
             self.options.tolerance = asked.min(start::CLOSEST);
         }
         self.prove(0.0);
@@ -188,8 +215,14 @@ impl Curve {
     /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M); of
     /// patches and chance, which are too high by their nature, how far is then looked for to a part of [`CLOSELY`].
     fn climb(&mut self, start: f64, combination: (f64, f64), step: f64) -> Option<f64> {
-        let (mut step, mut margin, mut failed) = (step, 0.05 * step / start, 0.0);
+        let (least, mut step, mut margin, mut failed) = (step, step, 0.05 * step / start, 0.0);
         let mut proven = None;
+        // Patches are too high by a part that varies slowly: the last one is nearly right.
+        let mut growth: f64 = 4.0;
+        if !self.source.is_sharp() && combination.0 != 0.0 && self.excess * start > step {
+            (step, growth) = (self.excess * start, 1.0 + CLOSELY);
+        }
+        let mut shrink = growth;
         // 4^24 > 1e14: from the last digits to the size of the value.
         for _ in 0..24 {
             match self.try_to_prove(start + step, combination, margin) {
@@ -197,28 +230,35 @@ impl Curve {
                     proven = Some(start + step);
                     break;
                 }
-                Verdict::Refuted => (failed, step) = (step, 4.0 * step),
+                Verdict::Refuted => {
+                    (failed, step) = (step, growth * step);
+                    growth = (growth * growth).min(4.0);
+                }
                 Verdict::TooClose(needed) => {
                     margin = 2.0 * needed;
                     (failed, step) = (step, step.max(4.0 * margin * start));
                 }
             }
         }
-        if !matches!(self.prover, Prover::Whole(_)) {
-            while proven.is_some() && failed > 0.0 && step > failed * (1.0 + CLOSELY) {
-                let middle = (failed * step).sqrt();
+        if !self.source.is_sharp() {
+            while proven.is_some() && step > least && step > failed * (1.0 + CLOSELY) {
+                let middle = if failed > 0.0 { (failed * step).sqrt() } else { least.max(step / shrink) };
+                shrink = (shrink * shrink).min(4.0);
                 if self.try_to_prove(start + middle, combination, margin) == Verdict::Proven {
                     (proven, step) = (Some(start + middle), middle);
                 } else {
                     failed = middle;
                 }
             }
+            if proven.is_some() && combination.0 != 0.0 {
+                self.excess = step / start;
+            }
         }
         proven
     }
 
     pub(super) fn try_to_prove(&mut self, u: f64, combination: (f64, f64), margin: f64) -> Verdict {
-        let verdict = self.prover.prove(u, combination, margin);
+        let verdict = self.source.prove(u, combination, margin);
         self.effort.proofs += 1;
         self.effort.failed += usize::from(verdict != Verdict::Proven);
         verdict
@@ -232,40 +272,27 @@ impl Curve {
     /// Adds the top vector at t to the subspace; the change of the lower bound there, relative.
     pub(super) fn sample(&mut self, t: f64, closed: bool) -> f64 {
         let tolerance = 0.05 * self.goal();
-        let before = (self.subspace.dimension() > 0).then(|| self.subspace.ritz(t));
-        let start = before.as_ref().map(|y| self.subspace.vector(y));
-        if let (Some(start), false) = (&start, closed) {
+        let before = (self.dimension() > 0).then(|| self.source.span().ritz(t));
+        if let (Some(y), false) = (&before, closed) {
             // The Ritz vector may be good enough as it is.
-            if self.residual(t, start) <= tolerance {
+            if self.source.residual(t, y) <= tolerance {
                 return 0.0;
             }
         }
         let search = self.search(closed);
         let combination = (1.0, if closed { 0.0 } else { t });
-        let found = largest(&self.operator, combination, start.as_deref(), &search);
+        let old = before.as_ref().map_or(0.0, |y| self.source.span().line(y).at(t));
+        self.source.seek(combination, before.as_deref(), &search);
         self.effort.eigenproblems += 1;
-        let old = before.map_or(0.0, |y| self.subspace.line(&y).at(t));
-        self.subspace.add(&self.operator, &found.vector);
         let new = self.lower_at(t);
-        self.effort.products = self.operator.products();
+        self.effort.products = self.source.products();
         (new - old).abs() / new.abs().max(f64::MIN_POSITIVE)
-    }
-
-    /// |A x - theta M x| in the norm of M^-1 over theta, for x'Mx = 1.
-    fn residual(&self, t: f64, x: &[f64]) -> f64 {
-        let (mut image, mut mass) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-        self.operator.multiply((1.0, t), x, &mut image);
-        self.operator.pencil().multiply_mass(x, &mut mass);
-        let theta = dot(x, &image);
-        image.iter_mut().zip(&mass).for_each(|(a, m)| *a -= theta * m);
-        let residual = image.clone();
-        self.operator.solve_mass(&mut image);
-        dot(&residual, &image).max(0.0).sqrt() / theta.abs()
     }
 
     /// The best lower bound of f(t) that the subspace gives; its line is kept.
     pub fn lower_at(&mut self, t: f64) -> f64 {
-        let line = self.subspace.line(&self.subspace.ritz(t));
+        let span = self.source.span();
+        let line = span.line(&span.ritz(t));
         self.lines.push(line);
         self.lines.iter().map(|line| line.at(t)).fold(f64::NEG_INFINITY, f64::max)
     }
@@ -278,11 +305,10 @@ impl Curve {
         let lower = self.lower_at(t);
         let far = proven.is_none_or(|u| u - lower > self.goal() * lower.abs());
         // Patches are too high by their nature; that says nothing about the vectors.
-        if far && matches!(self.prover, Prover::Whole(_)) {
+        if far && self.source.is_sharp() {
             let search = self.search(false);
-            let found = largest(&self.operator, (1.0, t), None, &search);
+            self.source.seek((1.0, t), None, &search);
             self.effort.eigenproblems += 1;
-            self.subspace.add(&self.operator, &found.vector);
             if self.lower_at(t) - lower > 0.1 * self.goal() * lower.abs() {
                 proven = self.climb_at(t).or(proven);
             }
@@ -308,19 +334,6 @@ impl Curve {
         self.mesh
     }
 
-    /// What is left between f(0) and its proof, relative; of patches and chance, which reach no such digits, nothing.
-    pub fn mesh_error(&self) -> f64 {
-        match self.prover {
-            Prover::Whole(_) => (self.upper.at(0.0, self.mesh) / self.mesh - 1.0).max(0.0),
-            Prover::Patches(_) | Prover::Chance(_) => 0.0,
-        }
-    }
-
-    /// What proves.
-    pub fn prover(&self) -> &Prover {
-        &self.prover
-    }
-
     /// The upper bound so far.
     pub fn upper(&self) -> &Upper {
         &self.upper
@@ -328,16 +341,11 @@ impl Curve {
 
     /// Vectors of the subspace.
     pub fn dimension(&self) -> usize {
-        self.subspace.dimension()
+        self.source.span().dimension()
     }
 
     /// What it took so far.
     pub fn effort(&self) -> Effort {
         self.effort
-    }
-
-    /// The vector of the largest Ritz value at t, x'Mx = 1 up to rounding: who governs the step there.
-    pub fn mode(&self, t: f64) -> Vec<f64> {
-        self.subspace.vector(&self.subspace.ritz(t))
     }
 }

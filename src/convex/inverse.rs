@@ -4,9 +4,10 @@
 //! line passes l, and as f is convex the zeros of its tangents descend to the solution. From below by a proof of f(t) <= l a
 //! little before it.
 
-use super::curve::{Curve, Prover};
+use super::curve::Curve;
 use super::factor::Verdict;
-use super::subspace::Line;
+use super::source::Source;
+use super::span::Line;
 use super::upper::Point;
 
 /// Where f passes l.
@@ -35,7 +36,7 @@ impl Line {
     }
 }
 
-impl Curve {
+impl<S: Source> Curve<S> {
     /// Where f passes l >= f(0), to `tolerance` relative as far as proofs reach.
     pub fn passing(&mut self, l: f64, tolerance: f64) -> Passing {
         self.options.tolerance = tolerance;
@@ -53,7 +54,7 @@ impl Curve {
                 break;
             }
         }
-        if self.operator.pencil().contacts().is_empty() {
+        if !self.source.has_contacts() {
             return Passing { lower: self.upper.reach(l), upper };
         }
         if upper.is_finite() && upper > 0.0 && self.upper.reach(l) < upper * (1.0 - tolerance) {
@@ -77,7 +78,7 @@ impl Curve {
             (failed, before) = (before, 4.0 * before);
         }
         // Patches are too high by their nature: how far is looked for closely. By chance each trial is a search.
-        if before < 4.0 && failed > 0.0 && matches!(self.prover, Prover::Patches(_)) {
+        if before < 4.0 && failed > 0.0 && self.source.is_patched() {
             for _ in 0..4 {
                 let middle = (failed * before).sqrt();
                 if middle < 1.0 && self.prove_at(l, upper * (1.0 - middle), middle) {

@@ -5,7 +5,7 @@
 //! l_max(K + s P, M + m P) = l   exactly when   l = f(s - l m)      s = beta_s      m = beta_s/(r omega^2)
 //! ```
 //! since K + s P - l (M + m P) = K + (s - l m) P - l M. f is a maximum of Rayleigh quotients, each linear in t: convex, nondecreasing,
-//! of slope at most mu = l_max(P, M). So a dozen eigenproblems bound it from below everywhere ([`subspace`]), a few dozen proven
+//! of slope at most mu = l_max(P, M). So a dozen eigenproblems bound it from below everywhere ([`span`]), a few dozen proven
 //! points from above ([`upper`]), and every point of a map is enclosed by a scalar equation. M + m P never enters an eigensolver.
 //!
 //! ```
@@ -57,6 +57,7 @@
 
 mod chance;
 pub mod curve;
+mod elements;
 pub mod factor;
 mod inverse;
 pub mod lanczos;
@@ -65,7 +66,10 @@ pub mod operator;
 pub mod patches;
 pub mod pencil;
 mod point;
-mod sharing;
+pub mod session;
+pub mod sharing;
+pub mod source;
+pub mod span;
 mod start;
 pub mod subspace;
 pub mod upper;

@@ -1,9 +1,10 @@
 //! Where the curve is sampled and proven: at the widest enclosure of the points asked for, until none is too wide.
 
-use super::curve::{Curve, Prover};
+use super::curve::Curve;
 use super::point::{Asked, Enclosed, TooWide};
+use super::source::Source;
 
-impl Curve {
+impl<S: Source> Curve<S> {
     /// Proves points for a t far below 0: there the rounding of t P, not f, limits a proof, and since f does not decrease
     /// a point at a larger t serves as well. f(t) - f(-infinity) falls like 1/|t|, the rounding grows like |t|.
     fn prove_far_below(&mut self, t: f64) -> bool {
@@ -50,7 +51,7 @@ impl Curve {
             if known[worst].step_width() > 0.9 * before.min(1e300) {
                 hopeless[worst] = true;
                 // Patches, and chance, are too high by a part that varies slowly: close by nothing else can be expected.
-                let patches = !matches!(self.prover, Prover::Whole(_));
+                let patches = !self.source.is_sharp();
                 let place = |t: f64| (t / self.unit).asinh();
                 for i in 0..asked.len() {
                     let other = asked[i].place(known[i].lower);
@@ -59,7 +60,7 @@ impl Curve {
             }
             self.renew(asked, &mut known);
         }
-        self.effort.products = self.operator.products();
+        self.effort.products = self.source.products();
         known
     }
 
@@ -82,7 +83,7 @@ impl Curve {
     /// Samples and proves what is missing at t.
     fn improve(&mut self, asked: Asked, t: f64) {
         // Farther below, a search in a large basis would drown in the spectrum of -t P.
-        let few = self.operator.pencil().size() <= self.options.basis;
+        let few = self.source.unknowns() <= self.options.basis;
         self.sample(if few { t } else { t.max(-1e4 * self.unit) }, false);
         let t = self.polish(asked);
         if self.bounds(asked).step_width() > self.options.tolerance {

@@ -7,6 +7,7 @@ use super::factor::MassFactor;
 use super::pencil::MeshPencil;
 use super::vectors::{dot, scale};
 use crate::error::Refusal;
+use crate::interrupt;
 
 /// The pencil with a way to apply M^-1: by its diagonal, or by a sparse Cholesky factor of M.
 ///
@@ -47,9 +48,15 @@ impl Operator {
         self.products.get()
     }
 
+    /// Counts a product.
+    pub(super) fn count(&self) {
+        self.products.set(self.products.get() + 1);
+    }
+
     /// y = (a K + t P) x.
     pub(super) fn multiply(&self, (a, t): (f64, f64), x: &[f64], y: &mut [f64]) {
-        self.products.set(self.products.get() + 1);
+        interrupt::look();
+        self.count();
         self.pencil.multiply(a, t, x, y);
     }
 

@@ -9,91 +9,23 @@
 //! patch proves that much more.
 
 use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+pub use super::elements::{ElementMatrices, Elements};
 use super::factor::{Factorisation, TooLarge, Verdict};
 use super::pencil::MeshPencil;
 use super::sharing;
 use crate::error::Refusal;
-use crate::pencil::{Gap, Matrix};
-use crate::sparse::{Csr, SparseVector};
-
-/// Element matrices of one shape: many elements share them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ElementMatrices {
-    /// K_e by rows.
-    pub stiffness: Vec<f64>,
-    /// M_e by rows.
-    pub mass: Vec<f64>,
-}
+use crate::pencil::Gap;
+use crate::sparse::SparseVector;
 
 /// An element of a patch, and the share of it that is in this patch.
-pub(super) type Member = (usize, f64);
+pub type Member = (usize, f64);
 
 /// The elements and contacts of a patch.
-pub(super) type Group = (Vec<Member>, Vec<Gap>);
-
-/// The elements of a mesh.
-#[derive(Debug, Clone, Default)]
-pub struct Elements {
-    /// Matrices that elements refer to.
-    pub shapes: Vec<ElementMatrices>,
-    /// For each element its shape and its unknowns; `None` is an unknown that is held.
-    pub elements: Vec<(usize, Vec<Option<u32>>)>,
-}
-
-impl Elements {
-    /// K and M of n unknowns, assembled; M is kept as a diagonal if every element has one.
-    pub fn assemble(&self, n: usize) -> (Matrix, Matrix) {
-        let all: Vec<Member> = (0..self.elements.len()).map(|e| (e, 1.0)).collect();
-        self.assemble_some(&all, n, |unknown| unknown)
-    }
-
-    fn assemble_some(&self, which: &[Member], n: usize, local: impl Fn(u32) -> u32) -> (Matrix, Matrix) {
-        let (mut k, mut m) = (Vec::new(), Vec::new());
-        for (e, share) in which {
-            let (shape, unknowns) = &self.elements[*e];
-            let (matrices, size) = (&self.shapes[*shape], unknowns.len());
-            for (i, row) in unknowns.iter().enumerate() {
-                for (j, column) in unknowns.iter().enumerate() {
-                    let (Some(row), Some(column)) = (row, column) else { continue };
-                    let (row, column) = (local(*row), local(*column));
-                    let at = i * size + j;
-                    k.push((row, column, share * matrices.stiffness[at]));
-                    if matrices.mass[at] != 0.0 {
-                        m.push((row, column, share * matrices.mass[at]));
-                    }
-                }
-            }
-        }
-        let mass = if m.iter().all(|(row, column, _)| row == column) {
-            let mut diagonal = vec![0.0; n];
-            m.iter().for_each(|(row, _, value)| diagonal[*row as usize] += value);
-            Matrix::Diagonal(diagonal)
-        } else {
-            Matrix::Sparse(Csr::from_triplets(n, n, &m))
-        };
-        (Matrix::Sparse(Csr::from_triplets(n, n, &k)), mass)
-    }
-
-    /// The largest row sums of |K_e| and |M_e| over diag(M), and the most elements at an unknown.
-    fn sizes(&self, diagonal: &[f64]) -> (f64, f64, usize) {
-        let n = diagonal.len();
-        let (mut k, mut m, mut count) = (vec![0.0; n], vec![0.0; n], vec![0_usize; n]);
-        for (shape, unknowns) in &self.elements {
-            let (matrices, size) = (&self.shapes[*shape], unknowns.len());
-            for (i, row) in unknowns.iter().enumerate() {
-                let Some(row) = row.map(|row| row as usize) else { continue };
-                k[row] += matrices.stiffness[i * size..(i + 1) * size].iter().map(|v| v.abs()).sum::<f64>();
-                m[row] += matrices.mass[i * size..(i + 1) * size].iter().map(|v| v.abs()).sum::<f64>();
-                count[row] += 1;
-            }
-        }
-        let most = |v: &[f64]| v.iter().zip(diagonal).map(|(v, d)| v / d).fold(0.0, f64::max);
-        (most(&k), most(&m), count.into_iter().max().unwrap_or(0))
-    }
-}
+pub type Group = (Vec<Member>, Vec<Gap>);
 
 /// A patch of each element by the box of a grid that its centre lies in; `size` are the edges of the boxes.
 pub fn boxes(centres: &[[f64; 3]], size: [f64; 3]) -> Vec<usize> {
@@ -113,9 +45,9 @@ pub fn boxes(centres: &[[f64; 3]], size: [f64; 3]) -> Vec<usize> {
 /// Patches as pencils of their own; identical ones are kept once.
 #[derive(Debug)]
 pub struct Patches {
-    distinct: Vec<(MeshPencil, Factorisation)>,
+    distinct: Vec<Patch>,
     total: usize,
-    /// Row sums of |K_e|, |M_e| and |P| over diag(M), and roundings, of the sum of all patches.
+    /// Row sums of |K_e|, |M_e| and |P|, as far as it is shared out, over diag(M), and roundings, of the sum of all patches.
     sizes: (f64, f64, f64, usize),
 }
 
@@ -132,8 +64,22 @@ impl Patches {
         patch: &[usize],
         memory: usize,
     ) -> Result<Self, Refusal> {
-        let groups = sharing::groups(pencil, elements, patch)?;
-        let total = groups.len();
+        let groups = sharing::groups(pencil.contacts(), pencil.size(), elements, patch)?;
+        let mut patches = Self::of(pencil, elements, &groups, memory)?;
+        patches.sizes.2 = penalty_size(pencil);
+        Ok(patches)
+    }
+
+    /// The patches of a mesh whose contacts are those of the patches, term by term: nothing is shared out any more.
+    ///
+    /// # Errors
+    /// A patch that is too large to factorise in `memory` bytes.
+    pub fn of(
+        pencil: &MeshPencil,
+        elements: &Elements,
+        groups: &[Group],
+        memory: usize,
+    ) -> Result<Self, Refusal> {
         let mut seen = HashMap::new();
         groups.iter().enumerate().for_each(|(g, group)| {
             seen.entry(key(elements, group)).or_insert(g);
@@ -143,7 +89,7 @@ impl Patches {
         let distinct =
             kept.into_par_iter().map(|g| build(elements, &groups[g], memory)).collect::<Result<_, _>>()?;
         let (k, m, count) = elements.sizes(pencil.mass_diagonal());
-        Ok(Self { distinct, total, sizes: (k, m, penalty_size(pencil), count + 64) })
+        Ok(Self { distinct, total: groups.len(), sizes: (k, m, 0.0, count + 64) })
     }
 
     /// Number of patches, and of those among them that differ.
@@ -153,25 +99,62 @@ impl Patches {
 
     /// Bytes of the factors of all different patches: no more are held at a time.
     pub fn memory(&self) -> usize {
-        self.distinct.iter().map(|(_, factorisation)| factorisation.memory()).sum()
+        self.distinct.iter().map(|patch| patch.factorisation.memory()).sum()
     }
 
     /// Unknowns of the largest patch.
     pub fn largest(&self) -> usize {
-        self.distinct.iter().map(|(pencil, _)| pencil.size()).max().unwrap_or(0)
+        self.distinct.iter().map(|patch| patch.pencil.size()).max().unwrap_or(0)
     }
 
     /// Whether u M - a K - t P is positive semidefinite, patch by patch.
     pub fn prove(&self, u: f64, a: f64, t: f64, margin: f64) -> Verdict {
         let (k, m, p, count) = self.sizes;
         // diag(M_p), scaled by powers of two, lies below 2; the rounding of shares and sums is covered by doubling.
-        let lost = 4.0 * super::factor::rounding(count) * (a.abs() * k + u * m + t.abs() * p);
-        let verdict = |(_, factorisation): &(MeshPencil, Factorisation)| {
-            factorisation.prove_beyond(u, (a, t), margin, lost)
-        };
+        let unit = 4.0 * super::factor::rounding(count);
+        let lost = Lost { mass: unit * m, other: unit * (a.abs() * k + t.abs() * p) };
+        let verdict = |patch: &Patch| patch.prove(u, (a, t), margin, lost);
         self.distinct.par_iter().map(verdict).reduce(|| Verdict::Proven, worse)
     }
 }
+
+/// What the rounding of sums and shares may take, in units of D: mass u + other.
+#[derive(Debug, Clone, Copy)]
+struct Lost {
+    mass: f64,
+    other: f64,
+}
+
+/// A patch with what is known about it.
+#[derive(Debug)]
+struct Patch {
+    pencil: MeshPencil,
+    factorisation: Factorisation,
+    /// Of a patch without contacts: a u that is proven for a = 1, with what rounding was allowed to take besides u.
+    known: Mutex<Option<(f64, f64)>>,
+}
+
+impl Patch {
+    fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64, lost: Lost) -> Verdict {
+        let beyond = |u: f64| lost.mass * u + lost.other;
+        let free = self.pencil.contacts().is_empty() && a == 1.0;
+        // No panic happens while it is held; and what is known stays true after one.
+        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if free && known().is_some_and(|(least, other)| u >= least && lost.other <= other) {
+            return Verdict::Proven;
+        }
+        let verdict = self.factorisation.prove_beyond(u, (a, t), margin, beyond(u));
+        // A larger u adds (u - least) D M D, which must be worth what rounding takes more: that is a proof of its own.
+        let mass = || self.factorisation.prove_beyond(1.0, (0.0, 0.0), MASS_MARGIN, lost.mass);
+        if free && verdict == Verdict::Proven && (known().is_some() || mass() == Verdict::Proven) {
+            *known() = Some((u, lost.other));
+        }
+        verdict
+    }
+}
+
+/// The part of M that may go to rounding where its own definiteness is proven; element masses are definite by far more.
+const MASS_MARGIN: f64 = 1e-6;
 
 /// The verdict on both of two patches.
 fn worse(one: Verdict, other: Verdict) -> Verdict {
@@ -215,11 +198,7 @@ fn key(elements: &Elements, (members, carried): &Group) -> Vec<u64> {
     key
 }
 
-fn build(
-    elements: &Elements,
-    (members, carried): &Group,
-    memory: usize,
-) -> Result<(MeshPencil, Factorisation), Refusal> {
+fn build(elements: &Elements, (members, carried): &Group, memory: usize) -> Result<Patch, Refusal> {
     let local = numbering(elements, members);
     let (stiffness, mass) = elements.assemble_some(members, local.len(), |i| local[&i]);
     let contacts = carried
@@ -239,7 +218,7 @@ fn build(
             format!("at most {allowed} bytes; smaller patches"),
         )
     })?;
-    Ok((pencil, factorisation))
+    Ok(Patch { pencil, factorisation, known: Mutex::default() })
 }
 
 /// The largest row sum of sum_j w_j |z_j||z_j|' over diag(M).

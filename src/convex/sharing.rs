@@ -3,13 +3,12 @@
 use std::collections::HashMap;
 
 use super::patches::{Elements, Group};
-use super::pencil::MeshPencil;
 use crate::error::Refusal;
 use crate::pencil::Gap;
 
 /// Patches that contacts join become one up to this multiple of the elements of the largest patch: two blocks that face each
 /// other, with room for a third where they do not match.
-pub(super) const JOINED: usize = 3;
+pub const JOINED: usize = 3;
 
 /// The elements at each unknown.
 struct Touching {
@@ -79,23 +78,24 @@ fn common(contact: &Gap, touching: &Touching, shares: &Shares) -> Vec<usize> {
     at.fold(first, |kept, next| kept.into_iter().filter(|p| next.contains(p)).collect())
 }
 
-/// Shares out elements and contacts.
+/// Shares out the elements of a mesh of n unknowns, and its contacts, among the patches that `patch` numbers.
 ///
 /// # Errors
 /// An unknown without an element.
-pub(super) fn groups(
-    pencil: &MeshPencil,
+pub fn groups(
+    contacts: &[Gap],
+    n: usize,
     elements: &Elements,
     patch: &[usize],
 ) -> Result<Vec<Group>, Refusal> {
-    let touching = Touching::new(elements, pencil.size());
-    if let Some(i) = (0..pencil.size()).find(|i| touching.at(*i as u32).is_empty()) {
+    let touching = Touching::new(elements, n);
+    if let Some(i) = (0..n).find(|i| touching.at(*i as u32).is_empty()) {
         let value = format!("none at unknown {}", i + 1);
         return Err(Refusal::new("elements", value, "an element at every unknown"));
     }
     let mut shares = Shares { own: patch.to_vec(), further: HashMap::new() };
-    join(pencil.contacts(), &touching, &mut shares);
-    for contact in pencil.contacts() {
+    join(contacts, &touching, &mut shares);
+    for contact in contacts {
         if common(contact, &touching, &shares).is_empty() {
             reach_out(contact, elements, &touching, &mut shares);
         }
@@ -106,7 +106,7 @@ pub(super) fn groups(
         let share = shares.share(e);
         shares.of(e).for_each(|p| groups[p].0.push((e as usize, share)));
     }
-    for contact in pencil.contacts() {
+    for contact in contacts {
         share_out(contact, elements, &touching, &shares, &mut groups);
     }
     groups.retain(|(members, _)| !members.is_empty());

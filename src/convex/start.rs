@@ -15,6 +15,11 @@ pub(super) const TOLERANCE: f64 = 1e-8;
 /// How closely f(0) is proven by a factorisation, as a width of the step: what is left widens every enclosure of a point.
 pub(super) const CLOSEST: f64 = 1e-11;
 
+/// How mu and f(0) are looked for.
+pub(super) fn search(options: &Options) -> Search {
+    Search { basis: options.basis, tolerance: TOLERANCE, most_products: options.most_products, closed: false }
+}
+
 /// The top of the contact-free pencil, found once for all provers.
 #[derive(Debug, Clone)]
 pub struct Start {
@@ -30,16 +35,10 @@ impl Start {
     /// M is not positive definite, or its factor needs more memory.
     pub fn new(pencil: &MeshPencil, options: &Options) -> Result<Self, Refusal> {
         let operator = Operator::new(pencil, options.memory)?;
-        let search = Search {
-            basis: options.basis,
-            tolerance: TOLERANCE,
-            most_products: options.most_products,
-            closed: false,
-        };
-        let vector = largest(&operator, (1.0, 0.0), None, &search).vector;
+        let vector = largest(&operator, (1.0, 0.0), None, &search(options)).vector;
         let mut subspace = Subspace::new(pencil);
         subspace.add(&operator, &vector);
-        let mesh = subspace.line(&subspace.ritz(0.0)).at(0.0);
+        let mesh = subspace.span().line(&subspace.span().ritz(0.0)).at(0.0);
         Ok(Self { operator, vector, mesh })
     }
 

@@ -1,5 +1,7 @@
 //! What matrices must be before anything is computed with them.
 
+use rayon::prelude::*;
+
 use super::reader::{Entries, Form};
 use crate::error::Refusal;
 use crate::pencil::Matrix;
@@ -30,12 +32,27 @@ fn sizes_line(file: &Entries) -> u32 {
 
 /// The whole matrix, made symmetric to the last bit.
 fn symmetric(file: &Entries) -> Result<Csr, Refusal> {
-    let whole = file.whole();
-    let read = Csr::from_triplets(file.rows, file.columns, &whole);
+    let read = Csr::from_triplets(file.rows, file.columns, &file.whole());
     if file.symmetric {
         return Ok(read);
     }
-    let mut mean = Vec::with_capacity(whole.len());
+    let place = |row: u32, column: u32| file.place(file.line_of(row, column));
+    Ok(symmetrised(&read, place)?.unwrap_or(read))
+}
+
+/// The mean of a square matrix and its mirror; `None` if they are the same to the last bit. `place` names an entry.
+///
+/// # Errors
+/// Entries that differ from their mirror by more than rounding.
+pub(super) fn symmetrised(read: &Csr, place: impl Fn(u32, u32) -> String) -> Result<Option<Csr>, Refusal> {
+    let differs = |row: usize| {
+        let (columns, values) = read.row(row);
+        columns.iter().zip(values).any(|(column, value)| read.get(*column as usize, row) != *value)
+    };
+    if !(0..read.rows()).into_par_iter().any(differs) {
+        return Ok(None);
+    }
+    let mut mean = Vec::with_capacity(read.len());
     for row in 0..read.rows() {
         let (columns, values) = read.row(row);
         for (column, value) in columns.iter().zip(values) {
@@ -43,19 +60,19 @@ fn symmetric(file: &Entries) -> Result<Csr, Refusal> {
             let scale = (read.get(row, row) * read.get(*column as usize, *column as usize)).abs().sqrt();
             let allowed = ROUNDING * scale.max(value.abs()).max(other.abs());
             if (value - other).abs() > allowed {
-                let line = file.line_of(row as u32, *column);
                 let value = format!("entry ({}, {}) = {value}", row + 1, column + 1);
                 let allowed =
                     format!("a symmetric matrix: its mirror is {other}, the difference may be {allowed:e}");
-                return Err(Refusal::new(file.place(line), value, allowed));
+                return Err(Refusal::new(place(row as u32, *column), value, allowed));
             }
             mean.push((row as u32, *column, 0.5 * (value + other)));
-            if other == 0.0 {
+            // A mirror that is not stored has no turn of its own; one that is stored as 0 has.
+            if read.row(*column as usize).0.binary_search(&(row as u32)).is_err() {
                 mean.push((*column, row as u32, 0.5 * value));
             }
         }
     }
-    Ok(Csr::from_triplets(file.rows, file.columns, &mean))
+    Ok(Some(Csr::from_triplets(read.rows(), read.columns(), &mean)))
 }
 
 /// The mass: n x n symmetric or its diagonal as n x 1, with a positive diagonal.

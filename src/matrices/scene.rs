@@ -52,6 +52,52 @@ pub struct Matrices {
     pub reference: Reference,
 }
 
+impl Matrices {
+    /// The matrices of an assembly that is in memory: K (N/m), M (kg), gaps, and their scales (N/m), by default from K
+    /// and the gaps. What is symmetric to the last bit is taken as it is, what is so to rounding is made so.
+    ///
+    /// # Errors
+    /// Matrices that are not square or not symmetric beyond rounding, a gap that has an entry out of range, scales that
+    /// cannot be had from K. The rest is for the pencil to refuse.
+    pub fn new(
+        stiffness: Csr,
+        mass: Matrix,
+        gaps: Vec<SparseVector>,
+        scales: Option<Vec<f64>>,
+        reference: Reference,
+    ) -> Result<Self, Refusal> {
+        let size = stiffness.rows();
+        let stiffness = symmetric("stiffness", stiffness, size)?;
+        let mass = match mass {
+            Matrix::Sparse(mass) => Matrix::Sparse(symmetric("mass", mass, size)?),
+            other => other,
+        };
+        for (at, gap) in gaps.iter().enumerate() {
+            if let Some((row, _)) = gap.0.iter().find(|(row, _)| *row as usize >= size) {
+                let place = format!("gaps, column {at}");
+                return Err(Refusal::new(place, format!("row {row}"), format!("rows below {size}")));
+            }
+        }
+        let scales = match scales {
+            Some(scales) => scales,
+            None => default_scales(&stiffness, &gaps, "an array of scales", |at, row| {
+                format!("gaps, column {at}, row {row}")
+            })?,
+        };
+        Ok(Self { stiffness, mass, gaps, scales, reference })
+    }
+}
+
+/// A matrix of `size` rows and columns that is symmetric to the last bit.
+fn symmetric(name: &str, matrix: Csr, size: usize) -> Result<Csr, Refusal> {
+    let (rows, columns) = (matrix.rows(), matrix.columns());
+    if (rows, columns) != (size, size) {
+        return Err(Refusal::new(name, format!("{rows} x {columns}"), format!("{size} x {size}")));
+    }
+    let place = |row, column| format!("{name}, row {row}, column {column}");
+    Ok(check::symmetrised(&matrix, place)?.unwrap_or(matrix))
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneText {
@@ -128,24 +174,31 @@ impl MatrixScene {
         let gaps = check::gaps(&z, k.rows)?;
         let scales = match &self.scales {
             Some(path) => check::scales(&reader::read(path)?, gaps.len())?,
-            None => default_scales(&stiffness, &gaps, &z)?,
+            None => default_scales(&stiffness, &gaps, "scales = a file", |at, row| {
+                z.place(z.line_of(row, at as u32))
+            })?,
         };
         Ok(Matrices { stiffness, mass, gaps, scales, reference: self.reference })
     }
 }
 
-/// The scale of each gap over the bodies, which are what K connects.
-fn default_scales(stiffness: &Csr, gaps: &[SparseVector], z: &reader::Entries) -> Result<Vec<f64>, Refusal> {
+/// The scale of each gap over the bodies, which are what K connects. `place` names the entry of a contact in a row; `own` is
+/// how other scales may be given.
+fn default_scales(
+    stiffness: &Csr,
+    gaps: &[SparseVector],
+    own: &str,
+    place: impl Fn(usize, u32) -> String,
+) -> Result<Vec<f64>, Refusal> {
     let bodies = connected(stiffness);
     let scale = |(at, gap): (usize, &SparseVector)| match gap_scale(stiffness, gap, |i| {
         bodies[i as usize] as usize
     }) {
         Some(scale) if scale > 0.0 => Ok(scale),
         found => {
-            let line = gap.0.first().map_or(1, |(row, _)| z.line_of(*row, at as u32));
             let value = format!("scale {} of contact {}", found.unwrap_or(0.0), at + 1);
-            let allowed = "a gap that K resists on each body, z_b'K z_b > 0; or scales = a file";
-            Err(Refusal::new(z.place(line), value, allowed))
+            let allowed = format!("a gap that K resists on each body, z_b'K z_b > 0; or {own}");
+            Err(Refusal::new(place(at, gap.0.first().map_or(0, |(row, _)| *row)), value, allowed))
         }
     };
     gaps.iter().enumerate().map(scale).collect()

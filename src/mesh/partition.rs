@@ -60,12 +60,16 @@ impl Elements {
 /// The block of each centre, numbered in the order of their first elements; how many there are.
 fn blocks(centres: &[Coordinates], [low, size]: [Coordinates; 2], edge: usize, patch: &mut [usize]) -> usize {
     let mut numbers: HashMap<[usize; 3], usize> = HashMap::new();
+    // Centres lie inside of cells, far from the next one; in the plane the third size is 0.
+    let cell = |centre: &Coordinates, i: usize| {
+        if size[i] > 0.0 { ((centre[i] - low[i]) / size[i]).max(0.0) as usize } else { 0 }
+    };
+    // Pieces that differ by a cell at most: one of a single cell would be as high as an element.
+    let cells = [0, 1, 2].map(|i| centres.iter().map(|centre| cell(centre, i) + 1).max().unwrap_or(1));
+    let pieces = cells.map(|n| ((n + edge / 2) / edge).max(1));
     for (centre, patch) in centres.iter().zip(patch) {
-        // Centres lie inside of cells, far from the next one; in the plane the third size is 0.
-        let cell =
-            |i: usize| if size[i] > 0.0 { ((centre[i] - low[i]) / size[i]).max(0.0) as usize } else { 0 };
         let next = numbers.len();
-        *patch = *numbers.entry([0, 1, 2].map(|i| cell(i) / edge)).or_insert(next);
+        *patch = *numbers.entry([0, 1, 2].map(|i| cell(centre, i) * pieces[i] / cells[i])).or_insert(next);
     }
     numbers.len()
 }

@@ -2,6 +2,7 @@
 
 use crate::error::Refusal;
 use crate::impact::contact_free_step;
+use crate::interrupt;
 use crate::pencil::{Penalty, Pencil};
 use crate::schemes::{ContactRule, Motion, Scheme, State, System};
 use crate::stability::Model;
@@ -109,6 +110,7 @@ impl<'a> Trials<'a> {
             if step % STRIDE != 0 {
                 continue;
             }
+            interrupt::look();
             let now = squared_size(&self.stepped.pencil, motion.state());
             if now.is_nan() || now > bound {
                 // Not a number follows from infinity: the last finite size told the growth as well as any.

@@ -218,15 +218,17 @@ impl MeshModel {
             let chance = matches!(curve.prover(), convex::Prover::Chance(_));
             (was.0, was.1) == (wanted.0, wanted.1) && (!chance || was.2 == wanted.2)
         };
-        let curve = match known.curve.take().filter(same) {
+        let mut curve = match known.curve.take().filter(same) {
             Some((_, curve)) => curve,
             None => {
                 let start = self.start(&mut known, asking)?.clone();
                 Curve::begin(start, self.prover(asking)?.0, Self::options(asking))?
             }
         };
-        let (_, curve) = known.curve.insert((wanted, curve));
-        use_it(curve)
+        // A curve that was interrupted is not kept.
+        let used = use_it(&mut curve);
+        known.curve = Some((wanted, curve));
+        used
     }
 
     fn known(&self) -> MutexGuard<'_, Known> {

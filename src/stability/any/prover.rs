@@ -1,16 +1,10 @@
 //! What proves the bounds of a mesh: the whole matrix where its factor fits, patches of elements where it does not.
 
-use std::collections::HashMap;
-
-use rayon::prelude::*;
-
 use super::asking::{Asking, Prover};
 use super::mesh::{MeshModel, Meshed};
-use crate::convex::patches::ElementMatrices;
 use crate::convex::{self, Chance, Patches};
 use crate::error::Refusal;
-use crate::memory;
-use crate::mesh::{self, HELD};
+use crate::parts;
 
 /// Edges of a patch in cells that leave a bound about 0.2 % too high: of squares (with contact) and of cubes.
 const EDGES: [usize; 2] = [8, 6];
@@ -67,44 +61,10 @@ impl MeshModel {
         edge: usize,
         allowed: usize,
     ) -> Result<(convex::Prover, Prover), Refusal> {
-        let elements = elements(&meshed.elements)?;
+        let elements = parts::elements(&meshed.elements)?;
         let patches = Patches::new(self.pencil(), &elements, &meshed.elements.patches(edge), allowed)?;
         let ((total, different), largest) = (patches.counts(), patches.largest());
         let named = Prover::Patches { edge, total, different, largest };
         Ok((convex::Prover::Patches(Box::new(patches)), named))
     }
-}
-
-/// The elements of a mesh as the prover takes them: the matrices of translates once.
-fn elements(mesh: &mesh::Elements) -> Result<convex::Elements, Refusal> {
-    let mut numbers: HashMap<usize, usize> = HashMap::new();
-    let mut different = Vec::new();
-    for e in 0..mesh.len() {
-        let alike = mesh.alike(e);
-        numbers.entry(alike).or_insert_with(|| {
-            different.push(alike);
-            different.len() - 1
-        });
-    }
-    let size = |e: &usize| (mesh.nodes(*e).len() * mesh.dimension) as u64;
-    let bytes: u64 = different.iter().map(|e| 16 * size(e) * size(e)).sum();
-    let count = format!("{} elements that differ", different.len());
-    memory::require(("patches", &count), "matrices", bytes, |_| "a mesh file of fewer elements".to_owned())?;
-    let shapes = different.par_iter().map(|e| shape(mesh, *e)).collect::<Result<_, Refusal>>()?;
-    let unknowns = |e: usize| mesh.dofs(e).iter().map(|dof| (*dof != HELD).then_some(*dof)).collect();
-    let elements = (0..mesh.len()).map(|e| (numbers[&mesh.alike(e)], unknowns(e))).collect();
-    Ok(convex::Elements { shapes, elements })
-}
-
-/// K_e, and the mass of each direction.
-fn shape(mesh: &mesh::Elements, e: usize) -> Result<ElementMatrices, Refusal> {
-    let (stiffness, nodal) = mesh.matrices(e)?;
-    let (n, d) = (mesh.nodes(e).len(), mesh.dimension);
-    let size = n * d;
-    let mut mass = vec![0.0; size * size];
-    for (at, m) in nodal.iter().enumerate() {
-        let (a, b) = (at / n, at % n);
-        (0..d).for_each(|i| mass[(a * d + i) * size + b * d + i] = *m);
-    }
-    Ok(ElementMatrices { stiffness, mass })
 }

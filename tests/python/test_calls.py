@@ -1,0 +1,181 @@
+"""Long calls: they let other threads run, tell how far they are, end on Ctrl-C, and no thread changes a number."""
+
+import multiprocessing
+import os
+import subprocess
+import sys
+import threading
+import time
+
+import bipenalty as bp
+import numpy as np
+import pytest
+
+BETA_S, RATIO = np.logspace(-3, 12, 300), np.logspace(-1, 3, 300)
+
+# Calls that take longer than anyone waits.
+LONG = {
+    "map": "bp.Model.from_scene('hunek', mass='consistent').stability_map(np.logspace(-3, 12, 9000), "
+    "np.logspace(-1, 3, 900), limit='park')",
+    "impact": "bp.Model.from_scene('hunek', elements=2000).impact(1e3, 1.0, duration=1e2, every=10**6)",
+    "verify": "bp.Model.from_scene('hunek', elements=2000).verify(1e3, 1.0, scheme='park')",
+    "matrices": "bp.Model.from_matrices(K, M, Z).stability_map(np.logspace(-3, 12, 400), np.logspace(-1, 3, 400), "
+    "tolerance=1e-12)",
+}
+SETUP = """
+import signal, sys, threading, time, os
+import bipenalty as bp
+import numpy as np
+import scipy.sparse as sp
+line = sp.diags([-np.ones(89), 2 * np.ones(90), -np.ones(89)], [-1, 0, 1])
+K = sp.csr_matrix(sp.kronsum(line, line))
+M, Z = sp.csr_matrix(K * 1e-2 + sp.eye(8100)), sp.eye(8100, format='csr')[:, :90]
+"""
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_interrupt(name):
+    """Ctrl-C ends the call within a second, and the computation with it."""
+    script = f"""{SETUP}
+def press():
+    time.sleep(1.0)
+    global pressed
+    pressed = time.perf_counter()
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=press).start()
+try:
+    {LONG[name]}
+except KeyboardInterrupt:
+    late = time.perf_counter() - pressed
+    time.sleep(2.0)
+    used = time.process_time()
+    time.sleep(1.0)
+    print(late, time.process_time() - used)
+else:
+    print("ended by itself")
+"""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=True)
+    assert run.stdout != "ended by itself\n", "the call is too short for this test"
+    late, used = map(float, run.stdout.split())
+    assert late < 1.0
+    assert used < 0.5, "the computation went on"
+
+
+def test_other_threads_run():
+    """A thread that counts goes on counting while a map is made."""
+    counted, stop = [], threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counted.append(time.perf_counter())
+            time.sleep(1e-3)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    start = time.perf_counter()
+    bp.Model.from_scene("hunek", mass="consistent").stability_map(BETA_S, RATIO, limit="park")
+    end = time.perf_counter()
+    stop.set()
+    thread.join()
+    assert sum(start < at < end for at in counted) > 0.2 * (end - start) / 1e-3
+
+
+def test_calls_from_threads():
+    model = bp.Model.from_scene("signorini", elements=100)
+    want = [model.stability_map(BETA_S, [r]).lower.tobytes() for r in (0.5, 2.0, 9.0, np.inf)]
+    found = [None] * 4
+
+    def ask(i, r):
+        found[i] = model.stability_map(BETA_S, [r]).lower.tobytes()
+
+    threads = [threading.Thread(target=ask, args=pair) for pair in enumerate((0.5, 2.0, 9.0, np.inf))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == want
+
+
+def test_threads_change_nothing():
+    script = f"""{SETUP}
+import hashlib
+maps = [bp.Model.from_scene('symmetric').stability_map(np.logspace(-3, 12, 50), [0.5, 3.0], limit=limit)
+        for limit in ('spectrum', 'predictor-corrector', 'park')]
+maps.append(bp.Model.from_matrices(K, M, Z).stability_map(np.logspace(-3, 9, 7), [0.5, 3.0], tolerance=1e-3))
+print(hashlib.sha256(b''.join(m.lower.tobytes() + m.upper.tobytes() for m in maps)).hexdigest())
+"""
+    threads = ("1", "2", "3")
+    runs = [
+        subprocess.run(
+            [sys.executable, "-c", script],
+            env={**os.environ, "RAYON_NUM_THREADS": n},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        for n in threads
+    ]
+    assert len({run.stdout for run in runs}) == 1
+    assert len(runs[0].stdout) == 65
+
+
+def test_progress(capfd):
+    seen = []
+    model = bp.Model.from_scene("hunek", mass="consistent")
+    model.stability_map(BETA_S, RATIO, limit="park", progress=lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (90_000, 90_000)
+    assert seen == sorted(seen)
+    assert len(seen) > 2, "a call that takes a second is told of more than its end"
+    model.stability_map(BETA_S, [1.0], progress=True)
+    assert capfd.readouterr().err.endswith("100 % of 300\n")
+
+
+def test_progress_may_raise():
+    def stop(done, total):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        bp.Model.from_scene("hunek").stability_map(BETA_S, RATIO, limit="park", progress=stop)
+
+
+def in_child(queue):
+    queue.put(bp.Model.from_scene("signorini").stability_map(BETA_S, RATIO).lower.tobytes())
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_forked_children_compute_too():
+    """A child that is forked has none of the threads of its parent."""
+    here = bp.Model.from_scene("signorini").stability_map(BETA_S, RATIO).lower.tobytes()
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    child = context.Process(target=in_child, args=(queue,))
+    child.start()
+    assert queue.get(timeout=60) == here
+    child.join(10)
+    assert child.exitcode == 0
+
+
+def test_cost_of_a_point():
+    """A point of bars costs at most 20 us above the Rust call; here with it."""
+    model = bp.Model.from_scene("signorini", elements=200)
+    model.critical_step(10.0, 2.0)
+    best = np.inf
+    for _ in range(20):
+        start = time.perf_counter()
+        for _ in range(1000):
+            model.critical_step(10.0, 2.0)
+        best = min(best, (time.perf_counter() - start) / 1000)
+    assert best < 20e-6
+
+
+def test_cost_of_a_map():
+    """A map of 1e6 points costs at most 5 % above the Rust call."""
+    model = bp.Model.from_scene("signorini", elements=200)
+    beta_s, ratio = np.logspace(-3, 12, 1000), np.logspace(-1, 3, 1000)
+    shares = []
+    for _ in range(7):
+        start = time.perf_counter()
+        found = model.stability_map(beta_s, ratio)
+        shares.append((time.perf_counter() - start) / found.seconds - 1.0)
+    assert min(shares) < 0.05

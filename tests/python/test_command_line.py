@@ -1,0 +1,183 @@
+"""The same numbers, to the bit, as the command line: 50 points of every kind."""
+
+import csv
+import subprocess
+
+import bipenalty as bp
+import numpy as np
+import pytest
+from conftest import ROOT
+
+BETA_S = [0.0, 1e-3, 0.5, 1.0, 3.7, 10.0, 1e3, 1e6, 1e9, 1e12]
+RATIO = [0.25, 1.0, 1.7, 30.0, np.inf]
+COLUMNS = {
+    "critical_step": "critical_step",
+    "step_lower": "lower",
+    "step_upper": "upper",
+    "critical_courant": "courant",
+    "lower": "courant_lower",
+    "upper": "courant_upper",
+}
+
+
+def spec(values):
+    return ",".join(repr(value) for value in values)
+
+
+def options(scene, mass, limit, **keywords):
+    found = [scene, "--mass", mass, "--limit", limit, "--beta-s", spec(BETA_S), "--ratio", spec(RATIO)]
+    for name, value in keywords.items():
+        found += [f"--{name.replace('_', '-')}", value]
+    return found
+
+
+def same(text, value):
+    """Whether a cell of a record is this number, to the bit; an empty one is NaN."""
+    return np.isnan(value) if text == "" else float(text) == value
+
+
+def assert_map(rows, found):
+    assert len(rows) == 50
+    for column, name in COLUMNS.items():
+        values = getattr(found, name).ravel()
+        for row, value in zip(rows, values, strict=True):
+            if row["evidence"] == "lower bound" and column in ("critical_step", "critical_courant"):
+                assert row[column] == ""
+            else:
+                assert same(row[column], value), (column, row, value)
+    assert [row["evidence"] for row in rows] == found._map.evidence()
+    if found.limit == "spectrum":
+        assert all(same(row["omega_max"], w) for row, w in zip(rows, found.omega_max.ravel(), strict=True))
+
+
+SPECTRUM = [
+    ("signorini", "lumped", "auto"),
+    ("symmetric", "averaged", "auto"),
+    ("hunek", "consistent", "auto"),
+    ("hunek", "0.3", "closed-form"),
+    ("symmetric", "consistent", "secular"),
+    ("hunek", "lumped", "sturm"),
+    ("bouncing-bar", "consistent", "dense"),
+]
+
+
+@pytest.mark.parametrize(("scene", "mass", "engine"), SPECTRUM)
+def test_spectrum(tools, scene, mass, engine):
+    rows = tools("stability-map", *options(scene, mass, "spectrum", engine=engine))
+    gamma = float(mass) if mass[0].isdigit() else mass
+    model = bp.Model.from_scene(scene, mass=gamma)
+    assert_map(rows, model.stability_map(BETA_S, RATIO, engine=engine))
+
+
+@pytest.mark.parametrize("scene", ["signorini", "hunek"])
+@pytest.mark.parametrize("limit", ["central-difference", "predictor-corrector", "park"])
+def test_schemes(tools, scene, limit):
+    rows = tools("stability-map", *options(scene, "averaged", limit))
+    model = bp.Model.from_scene(scene, mass="averaged")
+    assert_map(rows, model.stability_map(BETA_S, RATIO, limit=limit))
+
+
+def test_theta(tools):
+    rows = tools("stability-map", *options("signorini", "lumped", "park", theta="0.8"))
+    model = bp.Model.from_scene("signorini", mass="lumped")
+    assert_map(rows, model.stability_map(BETA_S, RATIO, limit="park", theta=0.8))
+
+
+def test_diagonalised(tools):
+    rows = tools("stability-map", *options("symmetric", "lumped", "spectrum", penalty_mass="diagonalised"))
+    model = bp.Model.from_scene("symmetric", penalty_mass="diagonalised")
+    assert_map(rows, model.stability_map(BETA_S, RATIO))
+
+
+@pytest.mark.parametrize("elements", [1, 200])
+def test_single_points(tools, elements):
+    """A point is the same as on a map: of a curve of one point, which begins nowhere."""
+    model = bp.Model.from_scene("signorini", mass="consistent", elements=elements)
+    for beta_s in BETA_S:
+        for ratio in RATIO:
+            point, found = model.critical_step(beta_s, ratio), model.stability_map(beta_s, ratio)
+            assert [getattr(found, name)[0, 0] for name in COLUMNS.values()] == [
+                getattr(point, "value" if name == "critical_step" else name) for name in COLUMNS.values()
+            ]
+    (row,) = tools(
+        "stability-map",
+        "signorini",
+        "--mass",
+        "consistent",
+        "--elements",
+        elements,
+        "--beta-s",
+        "3.7",
+        "--ratio",
+        "1.7",
+    )
+    assert float(row["critical_step"]) == model.critical_step(3.7, 1.7).value
+
+
+@pytest.mark.parametrize("limit", ["spectrum", "predictor-corrector", "park"])
+def test_optimal_ratio(tools, limit):
+    beta_s = np.logspace(-3, 12, 50).tolist()
+    rows = tools("optimal-ratio", "hunek", "--mass", "lumped", "--limit", limit, "--beta-s", spec(beta_s))
+    model = bp.Model.from_scene("hunek", mass="lumped")
+    assert len(rows) == 50
+    for row in rows:
+        found = model.optimal_ratio(float(row["stiffness_penalty"]), limit=limit)
+        if row["lower"]:
+            assert (float(row["lower"]), float(row["upper"])) == (found.lower, found.upper)
+            assert found.upper == np.inf or float(row["optimal_ratio"]) == found.value
+        else:
+            assert found.lower == np.inf
+
+
+def test_verify(tools):
+    rows = tools(
+        "verify-limits",
+        "signorini",
+        "--mass",
+        "lumped",
+        "--scheme",
+        "central-difference",
+        "--beta-s",
+        "1,10",
+        "--ratio",
+        "1,2,inf",
+    )
+    model = bp.Model.from_scene("signorini", mass="lumped")
+    second = model.critical_step(1.0, 1.0).value / model.critical_step(1.0, 1.0).courant
+    assert len(rows) == 6
+    for row in rows:
+        seen = model.verify(float(row["stiffness_penalty"]), float(row["ratio"]))
+        assert seen.stable_at == pytest.approx(float(row["stable_at"]) * second, rel=1e-15)
+        assert seen.unstable_at == pytest.approx(float(row["unstable_at"]) * second, rel=1e-15)
+        assert seen.growth == float(row["growth"])
+        assert str(seen.agrees).lower() == row["agrees"]
+
+
+@pytest.mark.parametrize("scheme", ["central-difference", "predictor-corrector", "park"])
+def test_impact(tmp_path, scheme):
+    tool = ROOT / "target" / "release" / "contact-impact"
+    command = [tool, "hunek", "--mass", "lumped", "--scheme", scheme, "--beta-s", "100", "--ratio", "1"]
+    subprocess.run([*command, "--format", "csv", "--out", tmp_path, "--quiet"], check=True)
+    (file,) = [path for path in tmp_path.glob("*.csv") if "stress" not in path.name and "summary" not in path.name]
+    rows = list(csv.DictReader(file.open()))
+    run = bp.Model.from_scene("hunek", mass="lumped").impact(100.0, 1.0, scheme=scheme)
+    assert len(rows) == len(run.time) > 50
+    force, gap = run.contact_force[:, 0], run.relative_gap[:, 0]
+    for name, values in {"contact_force": force, "relative_gap": gap}.items():
+        assert [float(row[name]) for row in rows] == values.tolist()
+    for name in ("time", "kinetic_energy", "strain_energy", "contact_work", "penalty_energy", "body_work", "loss"):
+        assert [float(row[name]) for row in rows] == getattr(run, name).tolist(), name
+
+
+def test_csv(tools, tmp_path):
+    """What to_csv writes reads back as the records of the tool."""
+    rows = tools("stability-map", *options("hunek", "lumped", "predictor-corrector"))
+    bp.Model.from_scene("hunek").stability_map(BETA_S, RATIO, limit="predictor-corrector").to_csv(tmp_path / "map.csv")
+    written = list(csv.DictReader((tmp_path / "map.csv").open()))
+    assert list(written[0]) == list(rows[0])
+    numbers = [name for name in rows[0] if name not in ("scene", "mass", "limit", "engine", "evidence")]
+    for mine, theirs in zip(written, rows, strict=True):
+        assert all(mine[name] == theirs[name] for name in mine if name not in numbers)
+        for name in numbers:
+            assert (mine[name] == "") == (theirs[name] == "")
+            assert mine[name] == "" or float(mine[name]) == float(theirs[name])
