@@ -34,6 +34,7 @@ mod paoli_schatzman;
 mod park;
 mod predictor_corrector;
 mod rigid;
+mod rows;
 mod state;
 mod twisted;
 
