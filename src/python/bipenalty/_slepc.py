@@ -163,6 +163,10 @@ class _ClosedMass:
         y.axpy(-1.0, closed)
 
 
+MOST_RESTARTS = 400
+"""Restarts of SLEPc's basis of 16 vectors, eight new ones each: some thousand products."""
+
+
 @dataclass(frozen=True)
 class Verdict:
     """What `Part.prove` says."""
@@ -174,8 +178,8 @@ class Verdict:
 class Pencil:
     """K, M and P on all processes of a communicator, answering the questions of a `Session`."""
 
-    def __init__(self, comm: MPI.Intracomm, part: Part, basis: int = 24) -> None:
-        self.comm, self.part, self.basis = comm, part, basis
+    def __init__(self, comm: MPI.Intracomm, part: Part) -> None:
+        self.comm, self.part = comm, part
         self.numbering = Numbering.of(comm, part.unknowns())
         self.total = self.numbering.total
         self.solves = self.products = 0
@@ -264,8 +268,8 @@ class Pencil:
         solver.setOperators(self._operator, mass)
         solver.setProblemType(SLEPc.EPS.ProblemType.HEP if self.mass is None else SLEPc.EPS.ProblemType.GHEP)
         solver.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
-        solver.setDimensions(1, min(self.basis, self.total))
-        solver.setTolerances(max(tolerance, 1e-13), 4000 // self.basis)
+        solver.setDimensions(1)
+        solver.setTolerances(max(tolerance, 1e-13), MOST_RESTARTS)
         if mass is not None:
             solver.getST().setKSP(self._mass_solver(mass, 1e-2 * tolerance))
         first = self._noise()
