@@ -13,7 +13,7 @@ use std::sync::Arc;
 use analyses::charts::verification;
 use analyses::cli::{
     Contact, OpeningOptions, OpeningPlan, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments,
-    check_stems, checked_grid, finish, print_verification, require_memory,
+    check_stems, checked_grid, finish, print_reasons, print_verification, require_memory,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{StabilityRow, VerifyRow};
@@ -53,7 +53,10 @@ struct Options {
     /// Averaging of the Park scheme, in [0, 1] [default: 0.5]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     theta: Option<f64>,
-    /// Relative width to which stepping brackets a limit [default: 1e-6 for central differences, 1e-4 for the others]
+    /// Relative width to which stepping brackets a limit [default: 1e-6 for central differences, 1e-4 for the others]; with
+    /// it goes the length of a trial, 13/sqrt(EPS) steps for central differences, 100/EPS for the others, and with that the
+    /// growth a step that a trial can see (--explain says it): a limit beyond which growth is slower is not seen, and
+    /// "agrees" is empty
     #[arg(long, value_name = "EPS", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     #[command(flatten)]
@@ -204,12 +207,14 @@ impl Study {
     fn confirm(&self, options: &Options, output: &Output) -> Result<(Vec<Vec<VerifyRow>>, usize)> {
         let points = self.jobs.iter().map(|job| job.models.len() * self.grid.len()).sum();
         let progress = Progress::new(points, "limits", options.output.quiet);
-        let (mut all, mut files) = (Vec::new(), 0);
+        let (mut all, mut files, mut reasons) = (Vec::new(), 0, Vec::new());
         for job in &self.jobs {
             progress.doing(&job.stem);
             let mut rows = Vec::new();
             for model in &job.models {
-                rows.push(measure(model, job, &self.grid, &progress)?);
+                let (measured, missing) = measure(model, job, &self.grid, &progress)?;
+                rows.push(measured);
+                reasons.extend(missing.into_iter().map(|why| format!("{}: {why}", job.stem)));
             }
             files += output.write_rows(&job.stem, &rows.concat())?.len();
             if output.wants_figures() && is_drawn(&self.grid) {
@@ -222,6 +227,10 @@ impl Study {
                 }
             }
             all.extend(rows);
+        }
+        drop(progress);
+        if !options.output.quiet {
+            print_reasons(&reasons);
         }
         Ok((all, files))
     }
@@ -267,21 +276,32 @@ fn plan(options: &Options, grid: &Grid) -> Result<Vec<Job>> {
 }
 
 /// Steps at every point of the grid, in parallel, and compares with the prediction.
-fn measure(model: &Model, job: &Job, grid: &Grid, progress: &Progress) -> Result<Vec<VerifyRow>> {
+/// What cannot be predicted is stepped all the same; why it cannot comes with the rows.
+fn measure(
+    model: &Model,
+    job: &Job,
+    grid: &Grid,
+    progress: &Progress,
+) -> Result<(Vec<VerifyRow>, Vec<Refusal>)> {
     let pencil = model.pencil();
-    // What cannot be predicted is stepped all the same.
-    let predictor = Predictor::new(model, &pencil, &*job.scheme).ok();
+    let predictor = Predictor::new(model, &pencil, &*job.scheme);
     let ratios =
         grid.ratios.iter().flat_map(|ratio| grid.stiffness_penalties.iter().map(move |b| (*ratio, *b)));
     let points: Vec<Point> =
         ratios.map(|(ratio, stiffness_penalty)| Point { stiffness_penalty, ratio }).collect();
-    let row = |point: &Point| -> Result<VerifyRow> {
-        let predicted = predictor.as_ref().and_then(|predictor| predictor.at(*point, job.tolerance).ok());
+    let row = |point: &Point| -> Result<(VerifyRow, Option<Refusal>)> {
+        let predicted = predictor.as_ref().map_err(Refusal::clone).and_then(|p| p.at(*point, job.tolerance));
+        let (predicted, reason) = match predicted {
+            Ok(predicted) => (Some(predicted), None),
+            Err(reason) => (None, Some(reason)),
+        };
         let confirmation = confirm(model, &*job.scheme, *point, job.tolerance, predicted)?;
         progress.add(1);
-        Ok(VerifyRow::new(model, &*job.scheme, *point, &confirmation))
+        Ok((VerifyRow::new(model, &*job.scheme, *point, &confirmation), reason))
     };
-    points.par_iter().map(row).collect()
+    let found: Vec<_> = points.par_iter().map(row).collect::<Result<_>>()?;
+    let (rows, reasons): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+    Ok((rows, reasons.into_iter().flatten().collect()))
 }
 
 /// Whether the curves of a grid can be told apart.
@@ -291,11 +311,19 @@ fn is_drawn(grid: &Grid) -> bool {
 
 fn explain(job: &Job, grid: &Grid) -> String {
     let search = Search::to(job.tolerance, &*job.scheme);
-    let (steps, growth) = search.map_or((0, f64::NAN), |search| (search.steps, search.visible_growth()));
+    let (steps, short, long) = search
+        .as_ref()
+        .map_or((0, f64::NAN, f64::NAN), |s| (s.steps, s.visible_growth(false), s.visible_growth(true)));
+    let long = if search.as_ref().is_ok_and(|search| search.is_long(0.0)) {
+        format!(" ({long:.1e} where 3/8 of a trial hold ten periods of the slowest swing)")
+    } else {
+        String::new()
+    };
     format!(
-        "{}: {} points to {:e}, by trials of {steps} steps, in which a growth of {growth:.1e} a step shows and a slower \
-         one may not (stable_at = 0: growth beyond the pair is no faster than that of a motion growing at every step); the \
-         prediction only says where to look first{}; left out: eigenvectors\n",
+        "{}: {} points to {:e}, by trials of {steps} steps, in which a growth of {short:.1e} a step shows{long} and a \
+         slower one may not (stable_at = 0: growth beyond the pair is no faster than that of a motion growing at every \
+         step, or the trials are too short to tell); the prediction only says where to look first{}; left out: \
+         eigenvectors\n",
         job.stem,
         grid.len() * job.models.len(),
         job.tolerance,

@@ -83,6 +83,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Meshes, and matrices of other codes
+//! [`stability::AnyModel`] asks the same of any scene: `[[bar]]`, `[matrices]` or `[[body]]`. Meshes of any kind, with any number
+//! of contacts, are one convex function ([`convex`]).
+//!
 //! # Features
 //! None is on by default; `lapack` adds an independent engine that needs a system LAPACK. The command line tools, the
 //! charts and the bench are packages beside this one, in `analyses/`.

@@ -10,7 +10,8 @@ mod double_double;
 #[path = "convex/exact.rs"]
 mod exact;
 
-use bipenalty::convex::{Asked, Curve, Enclosed, MeshPencil, Options, Prover, TooWide};
+use bipenalty::convex::factor::Verdict;
+use bipenalty::convex::{Asked, Curve, Enclosed, MeshPencil, Options, Patches, Prover, TooWide};
 use bipenalty::pencil::{Gap, Matrix};
 use bipenalty::sparse::{Csr, SparseVector};
 use blocks::{Blocks, dense_largest};
@@ -188,6 +189,29 @@ fn patches_lie_above_the_exact_value_and_close_in_on_it() {
             last = bound.upper;
         }
         assert!(last < 1.01 * exact.upper, "{t}: {last} {exact:?}");
+    }
+}
+
+/// Patches that share out elements and contacts at random: none proves a value below the exact one, each proves one above.
+#[test]
+fn no_partition_proves_less_than_the_exact_value() {
+    let mut random = Random(3);
+    for case in 0..60 {
+        let blocks = Blocks::new(2 + random.below(4), 1 + random.below(3), [1.0, random.log(0.1, 10.0)]);
+        let pencil = blocks.pencil();
+        let count = 1 + random.below(blocks.elements.elements.len());
+        let patch: Vec<usize> = blocks.elements.elements.iter().map(|_| random.below(count)).collect();
+        let patches = Patches::new(&pencil, &blocks.elements, &patch, 1 << 30).unwrap();
+        for t in [-3.0, 0.0, 0.5, 20.0, 1e4] {
+            let exact = dense_largest(&pencil, 1.0, t);
+            let place = format!("case {case}, t = {t}, {count} patches, {:?}", patches.counts());
+            // Below, and with all the rounding that is allowed for.
+            let below = patches.prove(exact * (1.0 - 1e-6), 1.0, t, 1e-9);
+            assert!(below != Verdict::Proven, "{place}");
+            // Single elements with all of the contact at a corner stand no more than this.
+            let above = patches.prove(20.0 * exact.max(1.0), 1.0, t, 1e-6);
+            assert_eq!(above, Verdict::Proven, "{place}");
+        }
     }
 }
 

@@ -29,13 +29,14 @@ pub fn limit_of_any(model: &AnyModel, scheme: &dyn Scheme, point: Point, search:
     let (stepped, first) = match model {
         AnyModel::Bars(bars) => {
             bars.check(point.stiffness_penalty, point.ratio)?;
-            (Stepped::bars(bars)?, 1.0)
+            (Stepped::bars(bars, &penalty)?, 1.0)
         }
         AnyModel::Mesh(mesh) => {
             let free = model.contact_free(&Asking::default())?.step?;
             let unit = model.time_step(1.0)?;
             let critical_step = unit * free.lower;
-            (Stepped { pencil: mesh.stepping_pencil()?, critical_step, unit }, free.lower)
+            let slowest = f64::INFINITY;
+            (Stepped { pencil: mesh.stepping_pencil()?, critical_step, unit, slowest }, free.lower)
         }
     };
     let unit = stepped.unit;

@@ -55,7 +55,7 @@ impl<'a> Lattice<'a> {
             }
         }
         let limit = match stable {
-            Some(found) if !self.begins(found)? => None,
+            Some(found) if !(self.tells(found)? && self.begins(found)?) => None,
             other => other,
         };
         self.answer(limit)
@@ -133,6 +133,11 @@ impl<'a> Lattice<'a> {
             }
         }
         Ok(None)
+    }
+
+    /// Whether the trial at `stable` could have seen what that at its neighbour saw.
+    fn tells(&mut self, stable: i64) -> Result<bool, Refusal> {
+        Ok(!self.at(stable + 1)?.late || self.trials.sees_late(self.courant(stable)))
     }
 
     /// Whether growth begins above `stable`. Growth a step in proportion to dt^p, which no step ends, has not reached the

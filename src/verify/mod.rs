@@ -2,7 +2,7 @@
 //!
 //! # A trial
 //! All contacts are held closed. From u = 0 and pseudo-random velocities, which excite every mode, a trial makes
-//! [`Search::steps`] steps, a number that follows from scheme and tolerance, and watches the size of the motion,
+//! [`Search::steps`] steps, a number N that follows from scheme and tolerance, and watches the size of the motion,
 //!
 //! ```text
 //! sqrt(v'M v + u'K u)
@@ -13,22 +13,28 @@
 //! ```text
 //! threshold = 3/sqrt(tolerance)
 //! ```
-//! or, in trials of at least 100/sqrt(tolerance) steps, if the mean of size^2 over the last window of the trial exceeds
-//! that over the window before by [`LATE_RISE`].
+//! or, in long trials, if the mean of size^2 over the last window of the trial, 3/8 of it, exceeds that over the window
+//! before by [`LATE_RISE`]. A trial is long if
+//!
+//! ```text
+//! N >= 100/sqrt(tolerance)      and      3/8 N dt >= 10 T      T = bound of the period of the slowest swing
+//! ```
 //!
 //! *Threshold.* Below its limit by the relative distance e, central difference amplitudes reach 1/sqrt(8 e): a stable
 //! trial is taken for unstable only where e is a fraction of the tolerance. Above it they grow by 2 sqrt(2 e) a step, so
 //! that 13/sqrt(tolerance) steps give e^18 at e = tolerance/4. The other schemes damp what reaches the contact and grow
 //! by about e a step above their limits, sometimes by far less ([`Prediction::growth`]): they are given 100/tolerance.
 //!
-//! *Late rise.* It is missed where a decaying motion that is larger still hides it, and it may be made by an oscillation
-//! of which a window, 3/8 of the trial, does not hold some ten periods: contacts so soft that a body takes 1e5 steps to
-//! swing on them are outside of what is tried here (beta_s below some 1e-9).
-//! So are steps so small that a trial ends within a swing of an element: the Park scheme at beta_s = 1e6, r = inf, four
-//! lumped elements and a tolerance of 1e-3 is given 3.5e-6 by such a rise, instead of 6.0e-6.
+//! *Late rise.* A swing of which a window does not hold some ten periods may look like growth: it could make a false
+//! limit, as at steps so small that a trial ends within a swing of the bars (Park, beta_s = 1e6, r = inf). T is at most
+//! 2 pi sqrt(m f), m the mass of all bars, f the sum of the compliances of bars and contacts. A late rise is missed where
+//! a decaying motion that is larger still hides it.
 //!
-//! *What a trial can see.* A growth of [`Search::visible_growth`] a step shows whatever else moves, if the growing mode
-//! holds one part in e^5 of the start. Slower growth may show ([`LATE_RISE`] within 3/8 of the trial at best) or not.
+//! *What a trial can see.* If the growing mode holds one part in e^10 of the start, a growth of (10 + ln threshold)/N a
+//! step shows, whatever else moves; in long trials, if it holds one part in e^5, 6/N does ([`Search::visible_growth`]).
+//! Slower growth may show ([`LATE_RISE`] within 3/8 of the trial at best) or not. So a trial that did not grow does not
+//! prove a stable step. Growth seen by the threshold is growth unless the motion is one that swells and shrinks again;
+//! growth seen by a late rise is measured, not proven.
 //!
 //! # The search
 //! Courant numbers are tried on the lattice 2^(k/P) only, P the smallest power of two that sets neighbours at most the
@@ -42,7 +48,8 @@
 //! *Growth at every step.* A motion that grows in time, whatever the step, looks stable where the step is so small that a
 //! trial no longer sees it. Growth that begins at a limit is fast beyond it: unless a trial at two or four times the step
 //! passes the threshold within 1/2^5 or 1/4^5 of the steps, the pair says how much a trial can see and nothing about
-//! stability, and no stable step is reported ([`Limit::stable_at`] = 0). Growth a step in proportion to dt^p, p < 5, is so
+//! stability, and no stable step is reported ([`Limit::stable_at`] = 0). Nor is one where the upper trial of the pair grew by a late
+//! rise alone and the lower one is too short for late rises to count. Growth a step in proportion to dt^p, p < 5, is so
 //! found out wherever N/4^5 steps are at least the 7 between two looks at the size (derived for that form of growth,
 //! tried on p = 1). A limit beyond which all growth is slower than that is reported as none.
 //!
@@ -54,6 +61,7 @@
 mod any;
 mod lattice;
 mod prediction;
+mod slowest;
 mod trial;
 
 pub use any::{Seconds, limit_of_any};
@@ -72,20 +80,20 @@ use crate::spectrum::Evidence;
 use crate::stability::Model;
 
 use lattice::Lattice;
-use trial::{Stepped, Trials};
+use trial::{SWINGS, Stepped, Trials, WINDOW};
 
 /// Steps that show a growth of `growth` (ln of the factor a step) in a search to `tolerance`, if the growing mode holds
-/// about `share` of the start. A short trial must exceed the threshold, from one part in e^10 of this share; in a long one
-/// a part in e^5 makes the late rise within e^6.
-pub fn steps_to_show(tolerance: f64, growth: f64, share: f64) -> f64 {
+/// about `share` of the start and the slowest swing takes `swing` steps. A short trial must exceed the threshold, from one
+/// part in e^10 of this share; in a long one a part in e^5 makes the late rise within e^6.
+pub fn steps_to_show(tolerance: f64, growth: f64, share: f64, swing: f64) -> f64 {
     let missing = -share.ln();
     let short = (10.0 + missing + (3.0 / tolerance.sqrt()).ln()) / growth;
-    ((6.0 + missing) / growth).max(short.min(long(tolerance))).ceil()
+    ((6.0 + missing) / growth).max(short.min(long(tolerance, swing))).ceil()
 }
 
-/// Steps of a trial in which a late rise counts.
-fn long(tolerance: f64) -> f64 {
-    100.0 / tolerance.sqrt()
+/// Steps of a trial in which a late rise counts: with ten of the slowest swings, of `swing` steps, in a window.
+fn long(tolerance: f64, swing: f64) -> f64 {
+    (100.0 / tolerance.sqrt()).max(SWINGS * swing / WINDOW)
 }
 
 /// How closely and how long a limit is looked for.
@@ -114,22 +122,21 @@ impl Search {
         Self { tolerance, steps: steps.ceil() as u64 }.checked()
     }
 
-    /// The growth, ln of the factor a step, from which on a trial shows it if the growing mode holds one part in e^5 (in
-    /// long trials) or e^10 of the start, whatever else moves.
-    pub fn visible_growth(&self) -> f64 {
-        let short = 10.0 + self.threshold().ln();
-        let needed = if self.is_long() { 6.0 } else { short };
+    /// The growth, ln of the factor a step, from which on a trial shows it: whatever else moves if the growing mode holds
+    /// one part in e^10 of the start; in `long` trials, if it holds one part in e^5.
+    pub fn visible_growth(&self, long: bool) -> f64 {
+        let needed = if long { 6.0 } else { 10.0 + self.threshold().ln() };
         needed / self.steps as f64
+    }
+
+    /// Whether a late rise counts where the slowest swing takes `swing` steps.
+    pub fn is_long(&self, swing: f64) -> bool {
+        self.steps as f64 >= long(self.tolerance, swing)
     }
 
     fn checked(self) -> Result<Self, Refusal> {
         let held = (1..=1_000_000_000).contains(&self.steps);
         held.then_some(self).ok_or_else(|| Refusal::new("steps of a trial", self.steps, "1 to 1e9"))
-    }
-
-    /// Whether a late rise counts.
-    fn is_long(&self) -> bool {
-        self.steps as f64 >= long(self.tolerance)
     }
 
     fn threshold(&self) -> f64 {
@@ -165,15 +172,21 @@ impl Limit {
     }
 
     /// Whether the limit confirms `prediction` to the relative `tolerance`; of a lower bound, whether the limit is not
-    /// below it. `None` if no trial below the prediction grew, the limit was found above it, and the growth in between is
-    /// predicted to be too slow to be seen in trials of this length.
+    /// below it. `None` if no trial below the prediction grew and stepping cannot tell more: the limit was found above it
+    /// and the growth in between is predicted to be too slow to be seen in trials of this length, or no stable step was
+    /// found.
     pub fn judge(&self, prediction: &Prediction, tolerance: f64) -> Option<bool> {
+        if self.unstable_at < prediction.courant * (1.0 - tolerance) {
+            return Some(false);
+        }
+        if self.agrees(prediction.courant, tolerance) {
+            return Some(true);
+        }
         let above = self.stable_at > prediction.courant;
-        let agrees = self.agrees(prediction.courant, tolerance);
         match prediction.evidence {
-            Evidence::LowerBound => Some(agrees || above),
+            Evidence::LowerBound => above.then_some(true),
             Evidence::Proven | Evidence::Probability(_) => {
-                (agrees || !above || prediction.is_visible(self.steps)).then_some(agrees)
+                (above && prediction.is_visible(self.steps)).then_some(false)
             }
         }
     }
@@ -215,7 +228,7 @@ pub fn limit_from(
     penalty: Penalty,
     search: &Search,
 ) -> Result<Limit, Refusal> {
-    Lattice::new(&Trials::new(Stepped::bars(model)?, scheme, penalty, search)?).limit(first)
+    Lattice::new(&Trials::new(Stepped::bars(model, &penalty)?, scheme, penalty, search)?).limit(first)
 }
 
 /// Refuses what cannot be stepped at all: the diagonalised mass penalty of a pair.
@@ -224,7 +237,7 @@ pub fn limit_from(
 /// See [`Scheme::start`].
 pub fn check(model: &Model, scheme: &dyn Scheme, search: &Search) -> Result<(), Refusal> {
     let penalty = model.penalty(StiffnessPenalty::new(1.0)?, Ratio::OPTIMAL);
-    Trials::new(Stepped::bars(model)?, scheme, penalty, search)?.start(1.0).map(|_| ())
+    Trials::new(Stepped::bars(model, &penalty)?, scheme, penalty, search)?.start(1.0).map(|_| ())
 }
 
 /// [`largest_stable_courant`] of every point, in parallel; in the order of `points`.

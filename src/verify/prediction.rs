@@ -7,6 +7,7 @@ use crate::spectrum::{Engine as _, Evidence, Step, StepLimit};
 use crate::stability::Model;
 
 use super::lattice::Lattice;
+use super::slowest::slowest_period;
 use super::trial::{Stepped, Trials};
 use super::{Limit, Point, Search, steps_to_show};
 
@@ -85,11 +86,13 @@ impl<'a> Predictor<'a> {
         let courant = |l: f64| (self.contact_free / l).sqrt() * free;
         let islands = self.limit.islands(&penalty);
         let share = self.limit.share(&step);
+        let courant_of_limit = self.model.critical_courant(step.l.value);
+        let swing = slowest_period(self.model, &penalty) / self.model.time_step(courant_of_limit);
         Ok(Prediction {
-            courant: self.model.critical_courant(step.l.value),
+            courant: courant_of_limit,
             evidence: step.evidence,
             growth,
-            steps_needed: growth.map(|growth| steps_to_show(tolerance, growth, share)),
+            steps_needed: growth.map(|growth| steps_to_show(tolerance, growth, share, swing)),
             islands: islands.iter().map(|(high, low)| (courant(*high), courant(*low))).collect(),
         })
     }
@@ -121,7 +124,7 @@ pub fn confirm(
     model.check(point.stiffness_penalty, point.ratio)?;
     let search = Search::to(tolerance, scheme)?;
     let penalty = model.penalty(point.stiffness_penalty, point.ratio);
-    let trials = Trials::new(Stepped::bars(model)?, scheme, penalty, &search)?;
+    let trials = Trials::new(Stepped::bars(model, &penalty)?, scheme, penalty, &search)?;
     let found = Lattice::new(&trials).limit(predicted.as_ref().map_or(1.0, |p| p.courant))?;
     let mut agrees = predicted.as_ref().and_then(|predicted| found.judge(predicted, tolerance));
     for (low, high) in predicted.iter().flat_map(|predicted| &predicted.islands) {

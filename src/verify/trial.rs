@@ -8,6 +8,7 @@ use crate::schemes::{ContactRule, Motion, Scheme, State, System};
 use crate::stability::Model;
 
 use super::Search;
+use super::slowest::slowest_period;
 
 /// The motion is looked at every so many steps. Odd, so that an oscillation of even period does not look constant.
 pub(super) const STRIDE: u64 = 7;
@@ -15,6 +16,12 @@ pub(super) const STRIDE: u64 = 7;
 /// ln of the rise of size^2 from one window to the next that counts as growth. Of a steady oscillation with p periods in
 /// a window the mean with Hann weights leaves less than 1/p^3: with ten periods less than a tenth of this.
 pub const LATE_RISE: f64 = 0.01;
+
+/// Periods of the slowest swing in a window from which on a late rise counts.
+pub(super) const SWINGS: f64 = 10.0;
+
+/// The part of a trial that each of the two windows takes.
+pub(super) const WINDOW: f64 = 0.375;
 
 /// A trial that has decayed by this factor holds no growing mode: rounding alone keeps a share of 1e-16.
 const DECAYED: f64 = 1e-30;
@@ -24,6 +31,8 @@ const DECAYED: f64 = 1e-30;
 pub(super) struct Trial {
     /// Whether it grew.
     pub grows: bool,
+    /// Whether it did so by a late rise alone.
+    pub late: bool,
     /// ln of the factor a step by which size grew late in the trial.
     pub growth: f64,
     /// Steps made.
@@ -38,13 +47,16 @@ pub(super) struct Stepped {
     pub critical_step: f64,
     /// dt of the Courant number 1, s.
     pub unit: f64,
+    /// Bound of the period of the slowest swing, s; infinite where none is known, and then no late rise counts.
+    pub slowest: f64,
 }
 
 impl Stepped {
     /// Bars.
-    pub fn bars(model: &Model) -> Result<Self, Refusal> {
-        let critical_step = contact_free_step(model)?;
-        Ok(Self { pencil: model.pencil().at_rest(), critical_step, unit: model.time_step(1.0) })
+    pub fn bars(model: &Model, penalty: &Penalty) -> Result<Self, Refusal> {
+        let (critical_step, unit) = (contact_free_step(model)?, model.time_step(1.0));
+        let slowest = slowest_period(model, penalty);
+        Ok(Self { pencil: model.pencil().at_rest(), critical_step, unit, slowest })
     }
 }
 
@@ -65,6 +77,11 @@ impl<'a> Trials<'a> {
         search: &Search,
     ) -> Result<Self, Refusal> {
         Ok(Self { stepped, penalty, scheme, search: search.checked()? })
+    }
+
+    /// Whether late rises count at a Courant number.
+    pub fn sees_late(&self, courant: f64) -> bool {
+        self.search.is_long(self.stepped.slowest / (courant * self.stepped.unit))
     }
 
     /// The motion at a Courant number, from u = 0 and pseudo-random velocities.
@@ -100,6 +117,7 @@ impl<'a> Trials<'a> {
                 let last = if now.is_finite() { now } else { f64::MAX.min(bound) };
                 return Ok(Trial {
                     grows: true,
+                    late: false,
                     growth: 0.5 * (last / start).ln() / step as f64,
                     steps: step,
                 });
@@ -107,6 +125,7 @@ impl<'a> Trials<'a> {
             if now < DECAYED * DECAYED * start {
                 return Ok(Trial {
                     grows: false,
+                    late: false,
                     growth: 0.5 * (now / start).ln() / step as f64,
                     steps: step,
                 });
@@ -114,8 +133,8 @@ impl<'a> Trials<'a> {
             windows.add(step, now);
         }
         let (rise, growth) = windows.rise();
-        let grows = self.search.is_long() && steps == self.search.steps && rise > LATE_RISE;
-        Ok(Trial { grows, growth, steps })
+        let grows = steps == self.search.steps && rise > LATE_RISE && self.sees_late(courant);
+        Ok(Trial { grows, late: grows, growth, steps })
     }
 }
 
@@ -129,7 +148,7 @@ struct Windows {
 impl Windows {
     fn new(steps: u64) -> Self {
         let steps = steps as f64;
-        Self { start: 0.25 * steps, length: 0.375 * steps, sums: [0.0; 2] }
+        Self { start: 0.25 * steps, length: WINDOW * steps, sums: [0.0; 2] }
     }
 
     fn add(&mut self, step: u64, size: f64) {

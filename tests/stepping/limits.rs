@@ -2,10 +2,11 @@
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
-use bipenalty::scene::{End, Scene, built_in};
-use bipenalty::schemes::{CentralDifference, Park, PredictorCorrector};
+use bipenalty::scene::{Bar, End, Scene, built_in};
+use bipenalty::schemes::{CentralDifference, Park, PredictorCorrector, SchemeName};
+use bipenalty::spectrum::Evidence;
 use bipenalty::stability::Model;
-use bipenalty::verify::{Point, Search, largest_stable_courant, limits};
+use bipenalty::verify::{Point, Prediction, Predictor, Search, confirm, largest_stable_courant, limits};
 
 use super::{MASSES, unit_bar};
 
@@ -111,6 +112,54 @@ fn the_park_scheme_has_its_own_limit() {
     let limit = largest_stable_courant(&model, &Park::USUAL, point(1e4, 1.0), &search).unwrap();
     println!("{limit:?}");
     assert!(limit.agrees(0.7072, 1e-4), "{limit:?}");
+}
+
+/// A trial of 1e5 steps ends within a swing of the bar here; read as growth, its rise put the limit at 3.49e-6.
+#[test]
+fn the_beginning_of_a_swing_is_not_growth() {
+    let model = model("signorini", 4, MassMatrix::LUMPED);
+    let search = Search::to(1e-3, &Park::USUAL).unwrap();
+    let limit = largest_stable_courant(&model, &Park::USUAL, point(1e6, f64::INFINITY), &search).unwrap();
+    println!("{limit:?}");
+    assert!(limit.agrees(5.99989e-6, 1e-3), "{limit:?}");
+}
+
+/// Three unlike bars on a wall, whose predictor-corrector limit is known from below only.
+#[test]
+fn unlike_contacts_have_limits_of_central_differences_and_of_park() {
+    let bar = |elements: usize, density: f64| Bar {
+        length: elements as f64,
+        elements,
+        youngs_modulus: 1.0,
+        density,
+        area: 1.0,
+        velocity: 0.0,
+    };
+    let bars = vec![bar(3, 1.0), bar(1, 4.0), bar(2, 2.0)];
+    let scene = Scene::new("three", End::Free, bars, End::Wall, None).unwrap();
+    for mass in MASSES {
+        let model = Model::new(scene.clone(), mass, PenaltyMass::Consistent);
+        let pencil = model.pencil();
+        for at in [point(3.0, 1.0), point(300.0, 1.0), point(1e4, f64::INFINITY)] {
+            for (scheme, tolerance) in [(SchemeName::CentralDifference, 1e-6), (SchemeName::Park, 1e-4)] {
+                let scheme = scheme.with_theta(0.5).unwrap();
+                let predicted = Predictor::new(&model, &pencil, &*scheme).unwrap().at(at, tolerance).unwrap();
+                assert_eq!(predicted.evidence, Evidence::Proven, "{at:?}");
+                let found = confirm(&model, &*scheme, at, tolerance, Some(predicted.clone())).unwrap();
+                println!("{} {at:?}: {predicted:?}, {:?}", mass.name(), found.found);
+                assert_eq!(found.agrees, Some(true), "{predicted:?}, {:?}", found.found);
+                // A prediction that is 1 % off is not confirmed, on either side.
+                for factor in [0.99, 1.01] {
+                    let wrong = Prediction { courant: factor * predicted.courant, ..predicted.clone() };
+                    let judged = confirm(&model, &*scheme, at, tolerance, Some(wrong)).unwrap();
+                    assert_eq!((judged.agrees, judged.found.stable_at), (Some(false), found.found.stable_at));
+                }
+            }
+            let scheme = &PredictorCorrector;
+            let predictor = Predictor::new(&model, &pencil, scheme).unwrap();
+            assert_eq!(predictor.at(at, 1e-4).unwrap().evidence, Evidence::LowerBound);
+        }
+    }
 }
 
 #[test]

@@ -31,7 +31,7 @@ pub use plan::explain;
 pub use progress::Progress;
 pub use redraw::{redraw_optimal_ratio, redraw_stability};
 pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};
-pub use verification::print_verification;
+pub use verification::{print_reasons, print_verification};
 
 use std::process::ExitCode;
 

@@ -30,6 +30,20 @@ pub fn print_verification(all: &[Vec<VerifyRow>]) {
     islands(all);
 }
 
+/// Prints why points have no prediction: each reason once, with the number of points.
+pub fn print_reasons(reasons: &[String]) {
+    let mut counted: Vec<(&String, usize)> = Vec::new();
+    for reason in reasons {
+        match counted.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, count)) => *count += 1,
+            None => counted.push((reason, 1)),
+        }
+    }
+    for (reason, count) in counted {
+        eprintln!("{count} points without a prediction: {reason}");
+    }
+}
+
 /// How often a scheme is stable again above its limit, with the first example.
 fn islands(all: &[Vec<VerifyRow>]) {
     let with = || all.iter().flatten().filter(|row| !row.islands.is_empty());
