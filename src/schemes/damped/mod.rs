@@ -130,7 +130,7 @@ fn no_damping(scheme: SchemeName) -> Refusal {
     Refusal::new(
         "damping",
         value,
-        "none with this scheme, or central-difference and predictor-corrector with it",
+        "this scheme without damping, or central-difference and predictor-corrector with it",
     )
 }
 
