@@ -9,14 +9,14 @@ use std::process::ExitCode;
 
 use analyses::charts;
 use analyses::cli::{
-    Analysis, Chart, Format, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress, RatioSpec,
-    SceneOptions, Solved, Verdict, check_stems, governing_answer, narrate, paper, point_answers,
-    print_summaries, redraw_stability,
+    Analysis, Chart, FEW_POINTS, Format, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress,
+    RatioSpec, SceneOptions, Solved, Verdict, check_stems, governing_answer, hold_step, narrate, paper,
+    point_answers, print_summaries, redraw_stability,
 };
 use analyses::error::{Refusal, Result};
-use analyses::record::{StabilityRow, Subject};
+use analyses::record::{StabilityRow, StepRow, Subject};
 use bipenalty::scene::built_in;
-use bipenalty::stability::{AnyModel, Axis};
+use bipenalty::stability::{AnyModel, Axis, eigenvalue};
 use clap::{Parser, ValueHint};
 
 /// Critical time steps of bodies in contact: C_r over the stiffness penalty and the ratio, certified.
@@ -34,23 +34,24 @@ struct Options {
     /// dt over the contact-free critical step, for --ratio plastic [default: 0.5]
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     relative_courant: Option<f64>,
+    /// Hold the time step DT, s, against the limit: the margin at each beta_s and r, and the largest penalties it stands
+    #[arg(long, value_name = "DT", allow_negative_numbers = true)]
+    time_step: Option<f64>,
     #[command(flatten)]
     limit: LimitOptions,
     /// Draw the records of a CSV file, written by an earlier run, again without computing
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
-        "elements", "mass", "penalty_mass", "beta_s", "ratio", "relative_courant", "limit", "theta", "engine", "tolerance",
+        "elements", "mass", "penalty_mass", "beta_s", "ratio", "relative_courant", "time_step", "limit", "theta", "engine", "tolerance",
         "patch"])]
     from: Option<PathBuf>,
     #[command(flatten)]
     output: OutputOptions,
 }
 
-/// Up to this many points are answered in words.
-const FEW_POINTS: usize = 8;
-
 const EXAMPLES: &str = "Examples:
   stability-map                                     the charts of the paper and maps beyond it
   stability-map my-bars.toml --beta-s 10 --ratio 1  the linear limit of closed contact of my bars
+  stability-map my-bars.toml --time-step 1e-7 --beta-s 1e4   is my step within the limit, what does it stand?
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
   stability-map two-blocks.toml --beta-s log:1e-3:1e9:100 --ratio log:0.1:1e3:100   the map of a mesh
@@ -59,10 +60,11 @@ const EXAMPLES: &str = "Examples:
   stability-map two-blocks.toml --beta-s 10 --ratio inf --format vtu   who governs the step, and its mode
   stability-map --from figures/stability-map/fig3-1-lumped.csv --width single --format pdf,tex";
 
-/// Records to draw again, or maps to compute.
+/// Records to draw again, maps to compute, or a step (s) to hold against their limits.
 enum Plan {
     Redraw(PathBuf),
     Jobs(Vec<Job>),
+    Step(Vec<Job>, f64),
 }
 
 /// What was found: rows for standard output, and what is said of them.
@@ -70,6 +72,7 @@ enum Plan {
 struct Found {
     rows: Vec<StabilityRow>,
     summaries: Vec<MapSummary>,
+    steps: Vec<StepRow>,
     answers: Vec<String>,
 }
 
@@ -89,7 +92,13 @@ impl Analysis for Options {
     fn plan(&self) -> Result<Plan> {
         match &self.from {
             Some(file) => Ok(Plan::Redraw(file.clone())),
-            None => plan(self).map(Plan::Jobs),
+            None => {
+                let jobs = plan(self)?;
+                Ok(match self.time_step {
+                    Some(time_step) => Plan::Step(jobs, time_step),
+                    None => Plan::Jobs(jobs),
+                })
+            }
         }
     }
 
@@ -98,7 +107,7 @@ impl Analysis for Options {
             Plan::Redraw(file) => {
                 Ok(format!("{}: drawn again; left out: every computation\n", file.display()))
             }
-            Plan::Jobs(jobs) => {
+            Plan::Jobs(jobs) | Plan::Step(jobs, _) => {
                 Ok(jobs.iter().map(|job| job.explain(&self.limit)).collect::<Result<_, _>>()?)
             }
         }
@@ -111,11 +120,15 @@ impl Analysis for Options {
                 Ok((Found { rows, ..Found::default() }, files))
             }
             Plan::Jobs(jobs) => compute(self, &jobs, output),
+            Plan::Step(jobs, time_step) => {
+                let held = hold_step(&jobs, &self.limit, time_step, output, self.output.quiet)?;
+                Ok((Found { steps: held.rows, answers: held.answers, ..Found::default() }, held.files))
+            }
         }
     }
 
     fn print(&self, found: &Found, output: &Output) -> Result<()> {
-        output.print(&found.rows)
+        if self.time_step.is_some() { output.print(&found.steps) } else { output.print(&found.rows) }
     }
 
     fn summarise(&self, found: &Found) {
@@ -126,7 +139,12 @@ impl Analysis for Options {
     }
 
     fn verdict(&self, found: &Found) -> Verdict {
-        if found.summaries.iter().all(|summary| summary.holds) { Verdict::Holds } else { Verdict::Fails }
+        let within = found.steps.iter().all(|row| row.within == Some(true));
+        if within && found.summaries.iter().all(|summary| summary.holds) {
+            Verdict::Holds
+        } else {
+            Verdict::Fails
+        }
     }
 }
 
@@ -191,6 +209,9 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
     if let Some(c) = options.relative_courant.filter(|_| options.ratio != Some(RatioSpec::Plastic)) {
         return Err(Refusal::new("--relative-courant", c, "--ratio plastic beside it").into());
     }
+    if let Some(time_step) = options.time_step {
+        check_step(options, time_step)?;
+    }
     let scenes = options.scene.scenes()?;
     let own_axes = options.beta_s.is_some() || options.ratio.is_some() || options.scene.elements.is_some();
     let jobs = if scenes.is_empty() && own_axes {
@@ -213,13 +234,17 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
             models.extend(options.scene.models(scene)?);
         }
         for model in models {
-            let stem = match model.mass() {
+            let mut stem = match model.mass() {
                 Some(mass) => format!("{}-{}", model.name(), mass.name()),
                 None => model.name().to_owned(),
             };
+            if options.time_step.is_some() {
+                stem += "-step";
+            }
             // Without a contact there is one limit, whatever the penalties.
             let touches = model.contacts() > 0;
-            let usual = if touches { linear.clone() } else { Axis::list([0.0]) };
+            let asks_map = touches && options.time_step.is_none();
+            let usual = if asks_map { linear.clone() } else { Axis::list([0.0]) };
             let beta_s = asked.clone().unwrap_or(usual);
             jobs.push(match &spec {
                 Some(RatioSpec::Plastic) => {
@@ -241,6 +266,22 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
     }
     check_stems(&options.output, jobs.iter().map(|job| job.stem.clone()))?;
     Ok(jobs)
+}
+
+/// Refuses a step that is none, and what does not go with one.
+fn check_step(options: &Options, time_step: f64) -> Result<(), Refusal> {
+    eigenvalue(time_step)?;
+    let beside = "--time-step, which";
+    if options.scene.scenes.is_empty() {
+        return Err(Refusal::new("SCENE", "none", "at least one scene with --time-step"));
+    }
+    if options.ratio == Some(RatioSpec::Plastic) {
+        return Err(Refusal::new("--ratio", format!("plastic with {beside} has its own"), "numbers, or inf"));
+    }
+    if options.output.format.contains(&Format::Vtu) {
+        return Err(Refusal::new("--format", format!("vtu with {beside} has no mode"), "csv, json"));
+    }
+    Ok(())
 }
 
 /// Refuses modes of what has none that a file could hold.

@@ -213,6 +213,11 @@ impl LimitOptions {
         Ok(Asking { limit, engine, tolerance, patch, memory: None })
     }
 
+    /// Whose limit, as records name it.
+    pub fn name(&self) -> &'static str {
+        self.limit.name()
+    }
+
     /// Refuses what `model` has no such limit or no such engine for.
     ///
     /// # Errors
@@ -347,6 +352,7 @@ pub(super) fn by_option(error: Error) -> Error {
         "r" | "ratio" => "--ratio",
         "beta_s, ratio" | "grid" => "--beta-s, --ratio",
         "theta" => "--theta",
+        "time step" => "--time-step",
         "limit" => "--limit",
         "engine" => "--engine",
         "tolerance" => "--tolerance",

@@ -28,6 +28,9 @@ pub struct MapSummary {
     pub holds: bool,
 }
 
+/// Up to this many points are answered in words.
+pub const FEW_POINTS: usize = 8;
+
 /// What stands below every table of limits.
 const CAUTION: &str = "The limits are linear, of closed contact. Contact that opens and closes may gain energy below them: central \
                        differences with a mass penalty did at every step measured; the predictor-corrector at r = 1/4 did not \

@@ -36,8 +36,11 @@ impl Largest {
 /// l = 4/dt^2 rounds twice, and what is compared with it a few times more.
 const MARGIN: f64 = 8.0 * f64::EPSILON;
 
-/// 4/dt^2, rad^2/s^2.
-fn eigenvalue(time_step: f64) -> Result<f64, Refusal> {
+/// l = 4/dt^2, rad^2/s^2, of a step dt, s: central differences stand the step as long as l_max <= l.
+///
+/// # Errors
+/// A step that is not positive, or whose square f64 does not hold.
+pub fn eigenvalue(time_step: f64) -> Result<f64, Refusal> {
     let l = 4.0 / (time_step * time_step);
     if time_step > 0.0 && l.is_normal() {
         return Ok(l);

@@ -38,7 +38,7 @@ mod stepping;
 
 pub use asking::{Asking, LimitOf, Plan, Prover};
 pub use governing::{ContactShare, Governing};
-pub use largest::Largest;
+pub use largest::{Largest, eigenvalue};
 pub use mesh::MeshModel;
 pub use scene::AnyScene;
 
@@ -116,6 +116,17 @@ impl AnyModel {
         match self {
             Self::Bars(model) => model.scales().len(),
             Self::Mesh(model) => model.pencil().contacts().len(),
+        }
+    }
+
+    /// The smallest scale of the contacts, N/m: with beta_s every contact has at least the stiffness beta_s times this. `None`
+    /// without contacts.
+    pub fn smallest_scale(&self) -> Option<f64> {
+        match self {
+            Self::Bars(model) => model.scales().iter().map(|scale| scale.stiffness).reduce(f64::min),
+            Self::Mesh(model) => {
+                model.pencil().contacts().iter().map(|contact| contact.scale).reduce(f64::min)
+            }
         }
     }
 
