@@ -11,12 +11,12 @@ use analyses::charts;
 use analyses::cli::{
     Analysis, Chart, FEW_POINTS, Format, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress,
     RatioSpec, SceneOptions, Solved, Verdict, check_stems, governing_answer, hold_step, narrate, paper,
-    point_answers, print_summaries, redraw_stability,
+    point_answers, print_summaries, redraw_stability, step_and_cost,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{StabilityRow, StepRow, Subject};
 use bipenalty::scene::built_in;
-use bipenalty::stability::{AnyModel, Axis, eigenvalue};
+use bipenalty::stability::{AnyModel, Axis, LimitOf, eigenvalue};
 use clap::{Parser, ValueHint};
 
 /// Critical time steps of bodies in contact: C_r over the stiffness penalty and the ratio, certified.
@@ -41,8 +41,8 @@ struct Options {
     limit: LimitOptions,
     /// Draw the records of a CSV file, written by an earlier run, again without computing
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
-        "elements", "mass", "penalty_mass", "beta_s", "ratio", "relative_courant", "time_step", "limit", "theta", "engine", "tolerance",
-        "patch"])]
+        "elements", "mass", "penalty_mass", "beta_s", "ratio", "relative_courant", "time_step", "limit", "theta", "parameter", "damping_mass",
+        "damping_stiffness", "damping_contact", "engine", "tolerance", "patch"])]
     from: Option<PathBuf>,
     #[command(flatten)]
     output: OutputOptions,
@@ -54,6 +54,8 @@ const EXAMPLES: &str = "Examples:
   stability-map my-bars.toml --time-step 1e-7 --beta-s 1e4   is my step within the limit, what does it stand?
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
+  stability-map signorini --limit noh-bathe --parameter 0.54 --beta-s 10 --ratio 1   another scheme, and its cost
+  stability-map signorini --damping-stiffness 1e-4 --beta-s 10 --ratio 1   with damping half a step behind
   stability-map two-blocks.toml --beta-s log:1e-3:1e9:100 --ratio log:0.1:1e3:100   the map of a mesh
   stability-map hunek --limit predictor-corrector --beta-s 1e6 --ratio plastic
   stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv
@@ -151,11 +153,14 @@ impl Analysis for Options {
 fn compute(options: &Options, jobs: &[Job], output: &Output) -> Result<(Found, usize)> {
     jobs.iter().try_for_each(Job::check)?;
     let (mut found, mut files) = (Found::default(), 0);
+    if let LimitOf::Explicit(scheme) = options.limit.asking()?.limit {
+        found.answers.push(step_and_cost(&*scheme));
+    }
     let progress = Progress::new(jobs.iter().map(Job::points).sum(), "points", options.output.quiet);
     for job in jobs {
         let solved = job.solve(&options.limit, &progress)?;
-        let rows =
-            |s: &Solved| Ok(StabilityRow::of(&Subject::of(&s.model)?, options.limit.limit.name(), &s.curves));
+        let name = options.limit.name()?;
+        let rows = |s: &Solved| Ok(StabilityRow::of(&Subject::of(&s.model)?, name, &s.curves));
         let rows: Vec<Vec<StabilityRow>> = solved.iter().map(rows).collect::<Result<_, Refusal>>()?;
         files += output.write_rows(&job.stem, &rows.concat())?.len();
         if output.wants_figures() {
@@ -185,7 +190,7 @@ fn modes(
     output: &Output,
     answers: &mut Vec<String>,
 ) -> Result<usize> {
-    if matches!(&*solved.model, AnyModel::Bars(_)) || limit.limit.scheme().is_some() {
+    if matches!(&*solved.model, AnyModel::Bars(_)) || !solved.limit.is_spectrum() {
         return Ok(0);
     }
     let (asking, mut files) = (limit.asking()?, 0);
@@ -292,11 +297,8 @@ fn check_modes(job: &Job, limit: &LimitOptions) -> Result<()> {
     {
         return refuse(format!("vtu with scene {}", model.name()), "a scene of [[body]], which has a mesh");
     }
-    if limit.limit.scheme().is_some() {
-        return refuse(
-            format!("vtu with --limit {}", limit.limit.name()),
-            "--limit spectrum, which has a mode",
-        );
+    if !limit.asking()?.limit.is_spectrum() {
+        return refuse(format!("vtu with --limit {}", limit.name()?), "--limit spectrum, which has a mode");
     }
     match job.points() {
         n if n > FEW_POINTS => refuse(format!("vtu of {n} points"), "at most 8 points"),

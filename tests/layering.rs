@@ -26,7 +26,7 @@ const MAY_NAME: [(&str, &[&str]); 17] = [
         "stability", // of any scene, and the limits of schemes
         &[
             "error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "sparse", "mesh",
-            "matrices", "convex",
+            "matrices", "convex", "damping",
         ],
     ),
     ("schemes", &["error", "double_double", "sparse", "pencil", "spectrum", "damping"]),

@@ -30,7 +30,7 @@ pub use options::{
 };
 pub use output::{Output, check_stems};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
-pub use plan::explain;
+pub use plan::{explain, step_and_cost};
 pub use progress::Progress;
 pub use redraw::{redraw_optimal_ratio, redraw_stability};
 pub use steps::{HeldStep, hold_step};

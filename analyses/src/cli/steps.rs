@@ -50,7 +50,7 @@ pub fn hold_step(
 
 fn rows_of(solved: &Solved, subject: &Subject, limit: &LimitOptions, time_step: f64) -> Result<Vec<StepRow>> {
     let (model, asking) = (&*solved.model, limit.asking()?);
-    let points = StabilityRow::of(subject, limit.name(), &solved.curves);
+    let points = StabilityRow::of(subject, limit.name()?, &solved.curves);
     let betas: Vec<f64> = solved.curves[0].points.iter().map(|point| point.stiffness_penalty.get()).collect();
     let ratio = |beta_s: &f64| match *beta_s > 0.0 && subject.scale().is_some() {
         true => model.largest_ratio(time_step, *beta_s, &asking),
@@ -74,9 +74,9 @@ fn rows_of(solved: &Solved, subject: &Subject, limit: &LimitOptions, time_step: 
 /// The verdict first, then what the step stands.
 fn answers(solved: &Solved, subject: &Subject, rows: &[StepRow], time_step: f64) -> Vec<String> {
     let Some(first) = rows.first() else { return Vec::new() };
-    let whose = match solved.limit.scheme() {
-        None => "linear limit".to_owned(),
-        Some(_) => format!("limit of {}", first.limit),
+    let whose = match solved.limit.is_spectrum() {
+        true => "linear limit".to_owned(),
+        false => format!("linear limit of {}", first.limit),
     };
     let free = solved.contact_free.ok();
     let free = free.map(|step| (solved.seconds_of(step.lower), solved.seconds_of(step.upper)));
@@ -132,7 +132,8 @@ fn stands(subject: &Subject, rows: &[StepRow]) -> Vec<String> {
             (Some(most), Some(stiffness)) if most.0 > 0.0 => {
                 format!("beta_s up to {}, {} N/m", rounded_down(most.0), rounded_down(stiffness.0))
             }
-            _ => "no stiffness".to_owned(),
+            (Some(_), _) => "no stiffness is proven".to_owned(),
+            (None, _) => "no stiffness".to_owned(),
         };
         text.push(format!("  r = {}: {most}", short(row.ratio.0)));
     }
@@ -141,7 +142,8 @@ fn stands(subject: &Subject, rows: &[StepRow]) -> Vec<String> {
         let most = match row.largest_ratio_lower {
             Some(most) if most.0.is_infinite() => "any r".to_owned(),
             Some(most) if most.0 > 0.0 => format!("r up to {}", rounded_down(most.0)),
-            _ => "no r".to_owned(),
+            Some(_) => "no r is proven".to_owned(),
+            None => "no r".to_owned(),
         };
         text.push(format!("  {}: {most}", penalty(subject, row)));
     }
@@ -151,7 +153,7 @@ fn stands(subject: &Subject, rows: &[StepRow]) -> Vec<String> {
 fn penalty(subject: &Subject, row: &StepRow) -> String {
     let beta_s = row.stiffness_penalty.0;
     match subject.scale() {
-        Some(scale) => format!("beta_s = {} ({:.6e} N/m)", short(beta_s), beta_s * scale),
+        Some(scale) => format!("beta_s = {} ({} N/m)", short(beta_s), rounded_down(beta_s * scale)),
         None => format!("beta_s = {}", short(beta_s)),
     }
 }
