@@ -16,7 +16,7 @@ use analyses::cli::{
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{OptimalRatioRow, Subject};
-use bipenalty::stability::{AnyModel, Axis, Grid, governing_bar};
+use bipenalty::stability::{AnyModel, Axis, Grid, LimitOf, governing_bar};
 use clap::{Parser, ValueHint};
 
 /// The largest penalty ratio r that costs no time step, with its enclosure, over the stiffness penalty.
@@ -32,7 +32,8 @@ struct Options {
     limit: LimitOptions,
     /// Draw the records of a CSV file, written by an earlier run, again without computing
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
-        "elements", "mass", "penalty_mass", "beta_s", "limit", "theta", "engine", "tolerance", "patch"])]
+        "elements", "mass", "penalty_mass", "beta_s", "limit", "theta", "parameter", "damping_mass", "damping_stiffness",
+        "damping_contact", "engine", "tolerance", "patch"])]
     from: Option<PathBuf>,
     #[command(flatten)]
     output: OutputOptions,
@@ -176,20 +177,21 @@ fn search(model: &Arc<AnyModel>, grid: &Grid, options: &LimitOptions, progress: 
     let (asking, subject) = (options.asking()?, Subject::of(model)?);
     let beta_s: Vec<f64> = grid.stiffness_penalties.iter().map(|b| b.get()).collect();
     let found = model.optimal_ratios(&beta_s, &asking, &|n| progress.add(n))?;
-    let expected =
-        found.first().and_then(|(_, expected)| *expected).filter(|_| options.limit.scheme().is_none());
+    let one_for_all = matches!(asking.limit, LimitOf::Spectrum | LimitOf::Explicit(_));
+    let expected = found.first().and_then(|(_, expected)| *expected).filter(|_| one_for_all);
+    let name = options.name()?;
     let row = |(beta_s, (found, expected)): (&f64, _)| {
-        OptimalRatioRow::new(&subject, options.limit.name(), *beta_s, found, expected)
+        OptimalRatioRow::new(&subject, name, *beta_s, found, expected)
     };
     let rows = beta_s.iter().zip(found).map(row).collect();
     Ok(Found { model: model.clone(), expected, rows })
 }
 
 fn explain(model: &AnyModel, options: &Options, grid: &Grid) -> Result<String, Refusal> {
-    let (values, limit) = (grid.stiffness_penalties.len(), options.limit.limit);
-    let method = match (model, limit.scheme()) {
-        (AnyModel::Bars(_), Some(_)) => {
-            format!("{}: bisection on the limit of {}", model.name(), limit.name())
+    let (values, limit) = (grid.stiffness_penalties.len(), options.limit.asking()?.limit);
+    let method = match (model, limit) {
+        (AnyModel::Bars(_), LimitOf::Scheme(_) | LimitOf::Damped(_)) => {
+            format!("{}: bisection on the limit of {}", model.name(), options.limit.name()?)
         }
         _ => cli::explain(model, &options.limit, grid)?,
     };

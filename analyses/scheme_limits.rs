@@ -15,7 +15,7 @@ use analyses::cli::{
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{OptimalRatioRow, StabilityRow, Subject};
-use bipenalty::stability::{AnyModel, Axis, EngineName};
+use bipenalty::stability::{AnyModel, Axis};
 use clap::Parser;
 
 /// The stability limits of the schemes themselves with closed contact, and their optimal ratios.
@@ -151,7 +151,7 @@ fn stem(kind: &str, model: &AnyModel) -> String {
 
 fn settings(limit: Limit, theta: f64) -> LimitOptions {
     let theta = (limit == Limit::Park).then_some(theta);
-    LimitOptions { limit, theta, engine: EngineName::Auto, tolerance: None, patch: None }
+    LimitOptions { theta, ..LimitOptions::of(limit) }
 }
 
 /// Fig. 3 and the map of one model.

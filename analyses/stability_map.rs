@@ -9,14 +9,14 @@ use std::process::ExitCode;
 
 use analyses::charts;
 use analyses::cli::{
-    Analysis, Chart, Format, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress, RatioSpec,
-    SceneOptions, Solved, Verdict, check_stems, governing_answer, narrate, paper, point_answers,
-    print_summaries, redraw_stability,
+    Analysis, Chart, FEW_POINTS, Format, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress,
+    RatioSpec, SceneOptions, Solved, Verdict, check_stems, governing_answer, hold_step, narrate, paper,
+    point_answers, print_summaries, redraw_stability, step_and_cost,
 };
 use analyses::error::{Refusal, Result};
-use analyses::record::{StabilityRow, Subject};
+use analyses::record::{StabilityRow, StepRow, Subject};
 use bipenalty::scene::built_in;
-use bipenalty::stability::{AnyModel, Axis};
+use bipenalty::stability::{AnyModel, Axis, LimitOf, eigenvalue};
 use clap::{Parser, ValueHint};
 
 /// Critical time steps of bodies in contact: C_r over the stiffness penalty and the ratio, certified.
@@ -34,35 +34,39 @@ struct Options {
     /// dt over the contact-free critical step, for --ratio plastic [default: 0.5]
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     relative_courant: Option<f64>,
+    /// Hold the time step DT, s, against the limit: the margin at each beta_s and r, and the largest penalties it stands
+    #[arg(long, value_name = "DT", allow_negative_numbers = true)]
+    time_step: Option<f64>,
     #[command(flatten)]
     limit: LimitOptions,
     /// Draw the records of a CSV file, written by an earlier run, again without computing
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
-        "elements", "mass", "penalty_mass", "beta_s", "ratio", "relative_courant", "limit", "theta", "engine", "tolerance",
-        "patch"])]
+        "elements", "mass", "penalty_mass", "beta_s", "ratio", "relative_courant", "time_step", "limit", "theta", "parameter", "damping_mass",
+        "damping_stiffness", "damping_contact", "engine", "tolerance", "patch"])]
     from: Option<PathBuf>,
     #[command(flatten)]
     output: OutputOptions,
 }
 
-/// Up to this many points are answered in words.
-const FEW_POINTS: usize = 8;
-
 const EXAMPLES: &str = "Examples:
   stability-map                                     the charts of the paper and maps beyond it
   stability-map my-bars.toml --beta-s 10 --ratio 1  the linear limit of closed contact of my bars
+  stability-map my-bars.toml --time-step 1e-7 --beta-s 1e4   is my step within the limit, what does it stand?
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
+  stability-map signorini --limit noh-bathe --parameter 0.54 --beta-s 10 --ratio 1   another scheme, and its cost
+  stability-map signorini --damping-stiffness 1e-4 --beta-s 10 --ratio 1   with damping half a step behind
   stability-map two-blocks.toml --beta-s log:1e-3:1e9:100 --ratio log:0.1:1e3:100   the map of a mesh
   stability-map hunek --limit predictor-corrector --beta-s 1e6 --ratio plastic
   stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv
   stability-map two-blocks.toml --beta-s 10 --ratio inf --format vtu   who governs the step, and its mode
   stability-map --from figures/stability-map/fig3-1-lumped.csv --width single --format pdf,tex";
 
-/// Records to draw again, or maps to compute.
+/// Records to draw again, maps to compute, or a step (s) to hold against their limits.
 enum Plan {
     Redraw(PathBuf),
     Jobs(Vec<Job>),
+    Step(Vec<Job>, f64),
 }
 
 /// What was found: rows for standard output, and what is said of them.
@@ -70,6 +74,7 @@ enum Plan {
 struct Found {
     rows: Vec<StabilityRow>,
     summaries: Vec<MapSummary>,
+    steps: Vec<StepRow>,
     answers: Vec<String>,
 }
 
@@ -89,7 +94,13 @@ impl Analysis for Options {
     fn plan(&self) -> Result<Plan> {
         match &self.from {
             Some(file) => Ok(Plan::Redraw(file.clone())),
-            None => plan(self).map(Plan::Jobs),
+            None => {
+                let jobs = plan(self)?;
+                Ok(match self.time_step {
+                    Some(time_step) => Plan::Step(jobs, time_step),
+                    None => Plan::Jobs(jobs),
+                })
+            }
         }
     }
 
@@ -98,7 +109,7 @@ impl Analysis for Options {
             Plan::Redraw(file) => {
                 Ok(format!("{}: drawn again; left out: every computation\n", file.display()))
             }
-            Plan::Jobs(jobs) => {
+            Plan::Jobs(jobs) | Plan::Step(jobs, _) => {
                 Ok(jobs.iter().map(|job| job.explain(&self.limit)).collect::<Result<_, _>>()?)
             }
         }
@@ -111,11 +122,15 @@ impl Analysis for Options {
                 Ok((Found { rows, ..Found::default() }, files))
             }
             Plan::Jobs(jobs) => compute(self, &jobs, output),
+            Plan::Step(jobs, time_step) => {
+                let held = hold_step(&jobs, &self.limit, time_step, output, self.output.quiet)?;
+                Ok((Found { steps: held.rows, answers: held.answers, ..Found::default() }, held.files))
+            }
         }
     }
 
     fn print(&self, found: &Found, output: &Output) -> Result<()> {
-        output.print(&found.rows)
+        if self.time_step.is_some() { output.print(&found.steps) } else { output.print(&found.rows) }
     }
 
     fn summarise(&self, found: &Found) {
@@ -126,18 +141,26 @@ impl Analysis for Options {
     }
 
     fn verdict(&self, found: &Found) -> Verdict {
-        if found.summaries.iter().all(|summary| summary.holds) { Verdict::Holds } else { Verdict::Fails }
+        let within = found.steps.iter().all(|row| row.within == Some(true));
+        if within && found.summaries.iter().all(|summary| summary.holds) {
+            Verdict::Holds
+        } else {
+            Verdict::Fails
+        }
     }
 }
 
 fn compute(options: &Options, jobs: &[Job], output: &Output) -> Result<(Found, usize)> {
     jobs.iter().try_for_each(Job::check)?;
     let (mut found, mut files) = (Found::default(), 0);
+    if let LimitOf::Explicit(scheme) = options.limit.asking()?.limit {
+        found.answers.push(step_and_cost(&*scheme));
+    }
     let progress = Progress::new(jobs.iter().map(Job::points).sum(), "points", options.output.quiet);
     for job in jobs {
         let solved = job.solve(&options.limit, &progress)?;
-        let rows =
-            |s: &Solved| Ok(StabilityRow::of(&Subject::of(&s.model)?, options.limit.limit.name(), &s.curves));
+        let name = options.limit.name()?;
+        let rows = |s: &Solved| Ok(StabilityRow::of(&Subject::of(&s.model)?, name, &s.curves));
         let rows: Vec<Vec<StabilityRow>> = solved.iter().map(rows).collect::<Result<_, Refusal>>()?;
         files += output.write_rows(&job.stem, &rows.concat())?.len();
         if output.wants_figures() {
@@ -167,7 +190,7 @@ fn modes(
     output: &Output,
     answers: &mut Vec<String>,
 ) -> Result<usize> {
-    if matches!(&*solved.model, AnyModel::Bars(_)) || limit.limit.scheme().is_some() {
+    if matches!(&*solved.model, AnyModel::Bars(_)) || !solved.limit.is_spectrum() {
         return Ok(0);
     }
     let (asking, mut files) = (limit.asking()?, 0);
@@ -191,6 +214,9 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
     if let Some(c) = options.relative_courant.filter(|_| options.ratio != Some(RatioSpec::Plastic)) {
         return Err(Refusal::new("--relative-courant", c, "--ratio plastic beside it").into());
     }
+    if let Some(time_step) = options.time_step {
+        check_step(options, time_step)?;
+    }
     let scenes = options.scene.scenes()?;
     let own_axes = options.beta_s.is_some() || options.ratio.is_some() || options.scene.elements.is_some();
     let jobs = if scenes.is_empty() && own_axes {
@@ -213,13 +239,17 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
             models.extend(options.scene.models(scene)?);
         }
         for model in models {
-            let stem = match model.mass() {
+            let mut stem = match model.mass() {
                 Some(mass) => format!("{}-{}", model.name(), mass.name()),
                 None => model.name().to_owned(),
             };
+            if options.time_step.is_some() {
+                stem += "-step";
+            }
             // Without a contact there is one limit, whatever the penalties.
             let touches = model.contacts() > 0;
-            let usual = if touches { linear.clone() } else { Axis::list([0.0]) };
+            let asks_map = touches && options.time_step.is_none();
+            let usual = if asks_map { linear.clone() } else { Axis::list([0.0]) };
             let beta_s = asked.clone().unwrap_or(usual);
             jobs.push(match &spec {
                 Some(RatioSpec::Plastic) => {
@@ -243,6 +273,22 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
     Ok(jobs)
 }
 
+/// Refuses a step that is none, and what does not go with one.
+fn check_step(options: &Options, time_step: f64) -> Result<(), Refusal> {
+    eigenvalue(time_step)?;
+    let beside = "--time-step, which";
+    if options.scene.scenes.is_empty() {
+        return Err(Refusal::new("SCENE", "none", "at least one scene with --time-step"));
+    }
+    if options.ratio == Some(RatioSpec::Plastic) {
+        return Err(Refusal::new("--ratio", format!("plastic with {beside} has its own"), "numbers, or inf"));
+    }
+    if options.output.format.contains(&Format::Vtu) {
+        return Err(Refusal::new("--format", format!("vtu with {beside} has no mode"), "csv, json"));
+    }
+    Ok(())
+}
+
 /// Refuses modes of what has none that a file could hold.
 fn check_modes(job: &Job, limit: &LimitOptions) -> Result<()> {
     let refuse = |value: String, allowed: &str| Err(Refusal::new("--format", value, allowed).into());
@@ -251,11 +297,8 @@ fn check_modes(job: &Job, limit: &LimitOptions) -> Result<()> {
     {
         return refuse(format!("vtu with scene {}", model.name()), "a scene of [[body]], which has a mesh");
     }
-    if limit.limit.scheme().is_some() {
-        return refuse(
-            format!("vtu with --limit {}", limit.limit.name()),
-            "--limit spectrum, which has a mode",
-        );
+    if !limit.asking()?.limit.is_spectrum() {
+        return refuse(format!("vtu with --limit {}", limit.name()?), "--limit spectrum, which has a mode");
     }
     match job.points() {
         n if n > FEW_POINTS => refuse(format!("vtu of {n} points"), "at most 8 points"),

@@ -28,7 +28,7 @@ const MAY_NAME: [(&str, &[&str]); 19] = [
         "stability", // of any scene, and the limits of schemes
         &[
             "error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "sparse", "mesh",
-            "matrices", "convex", "parts",
+            "matrices", "convex", "damping", "parts",
         ],
     ),
     ("schemes", &["error", "double_double", "sparse", "pencil", "spectrum", "damping"]),

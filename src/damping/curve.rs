@@ -34,37 +34,58 @@ impl DampedCurve {
     /// # Errors
     /// Of a point: the curve could not be enclosed there as closely as its tolerance asks for; the enclosure of the error holds.
     pub fn enclose(&mut self, asked: &[Asked]) -> Vec<Result<Step, TooWide>> {
-        let mut known = self.curve.enclose(asked);
-        let as_enclosure = |l: Enclosed| Enclosure {
-            value: (l.lower.max(f64::MIN_POSITIVE) * l.upper).sqrt().max(l.lower).min(l.upper),
-            lower: l.lower,
-            upper: l.upper,
-        };
-        if self.damping.is_none() {
-            return known.into_iter().map(|found| found.map(|l| Step::proven(as_enclosure(l)))).collect();
-        }
-        let begin = |found: &Result<Enclosed, TooWide>| {
-            Search::new(self.damping, as_enclosure(held(found)).value, self.unheld)
-        };
-        let mut searches: Vec<Search> = known.iter().map(begin).collect();
-        loop {
-            let open: Vec<usize> = (0..searches.len()).filter(|i| searches[*i].ask().is_some()).collect();
-            let problem = |i: &usize| {
-                let (point, undamped) = (asked[*i], searches[*i].ask()?);
-                let (stiffness, mass) = (point.stiffness * undamped.stiffness, point.mass * undamped.mass);
-                Some(Asked { stiffness, mass })
-            };
-            let problems: Vec<Asked> = open.iter().filter_map(problem).collect();
-            if problems.is_empty() {
-                break;
-            }
-            for (i, found) in open.into_iter().zip(self.curve.enclose(&problems)) {
-                searches[i].tell(as_enclosure(held(&found)));
-                known[i] = found;
-            }
-        }
-        searches.iter().zip(known).map(|(search, last)| result(search, last)).collect()
+        search(self.damping, self.unheld, asked, |problems| self.curve.enclose(problems))
     }
+}
+
+/// The limits of all points asked for on the `curve` of `pencil`, each curve point to a step as narrow as `width`, relative;
+/// as [`DampedCurve::enclose`] otherwise.
+pub fn enclose_damped(
+    (pencil, curve): (&MeshPencil, &mut Curve),
+    damping: Damping,
+    asked: &[Asked],
+    width: f64,
+) -> Vec<Result<Step, TooWide>> {
+    let unheld = Unheld::of(pencil.contacts(), pencil.size()).under(PenaltyMass::Consistent);
+    search(damping, unheld, asked, |problems| curve.enclose_to(problems, width))
+}
+
+/// All limits together, by what `enclose` finds for undamped problems.
+fn search(
+    damping: Damping,
+    unheld: bool,
+    asked: &[Asked],
+    mut enclose: impl FnMut(&[Asked]) -> Vec<Result<Enclosed, TooWide>>,
+) -> Vec<Result<Step, TooWide>> {
+    let mut known = enclose(asked);
+    let as_enclosure = |l: Enclosed| Enclosure {
+        value: (l.lower.max(f64::MIN_POSITIVE) * l.upper).sqrt().max(l.lower).min(l.upper),
+        lower: l.lower,
+        upper: l.upper,
+    };
+    if damping.is_none() {
+        return known.into_iter().map(|found| found.map(|l| Step::proven(as_enclosure(l)))).collect();
+    }
+    let begin =
+        |found: &Result<Enclosed, TooWide>| Search::new(damping, as_enclosure(held(found)).value, unheld);
+    let mut searches: Vec<Search> = known.iter().map(begin).collect();
+    loop {
+        let open: Vec<usize> = (0..searches.len()).filter(|i| searches[*i].ask().is_some()).collect();
+        let problem = |i: &usize| {
+            let (point, undamped) = (asked[*i], searches[*i].ask()?);
+            let (stiffness, mass) = (point.stiffness * undamped.stiffness, point.mass * undamped.mass);
+            Some(Asked { stiffness, mass })
+        };
+        let problems: Vec<Asked> = open.iter().filter_map(problem).collect();
+        if problems.is_empty() {
+            break;
+        }
+        for (i, found) in open.into_iter().zip(enclose(&problems)) {
+            searches[i].tell(as_enclosure(held(&found)));
+            known[i] = found;
+        }
+    }
+    searches.iter().zip(known).map(|(search, last)| result(search, last)).collect()
 }
 
 /// What is proven, as narrow as asked for or not.

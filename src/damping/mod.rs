@@ -73,7 +73,7 @@ mod curve;
 mod limit;
 mod search;
 
-pub use curve::{DampedCurve, DampedMesh};
+pub use curve::{DampedCurve, DampedMesh, enclose_damped};
 pub use limit::DampedLimit;
 
 use crate::error::Refusal;

@@ -145,10 +145,21 @@ impl StepLimit for OfSpectrum<'_> {
         self.spectrum.name()
     }
 
-    fn enclose(&self, penalty: &Penalty, _start: Option<f64>) -> Result<Step, Uncertified> {
-        let Enclosure { value, lower, upper } = self.spectrum.enclose(penalty, None)?;
+    fn enclose(&self, penalty: &Penalty, start: Option<f64>) -> Result<Step, Uncertified> {
+        self.enclose_by(penalty, start).0
+    }
+
+    fn enclose_by(
+        &self,
+        penalty: &Penalty,
+        _start: Option<f64>,
+    ) -> (Result<Step, Uncertified>, &'static str) {
+        let (found, by) = self.spectrum.enclose_by(penalty, None);
         let margin = 4.0 * f64::EPSILON;
-        let (lower, upper) = ((self.of)(lower) * (1.0 - margin), (self.of)(upper) * (1.0 + margin));
-        Ok(Step::proven(Enclosure { value: (self.of)(value), lower, upper }))
+        let step = |Enclosure { value, lower, upper }| {
+            let (lower, upper) = ((self.of)(lower) * (1.0 - margin), (self.of)(upper) * (1.0 + margin));
+            Step::proven(Enclosure { value: (self.of)(value), lower, upper })
+        };
+        (found.map(step), by)
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::{Limit, LimitOptions, Progress};
+use super::{LimitOptions, Progress};
 use crate::charts::{ContourLines, interpolated_contours, is_logarithmic, levels};
 use crate::error::{Refusal, Result};
 use crate::record::StabilityRow;
@@ -12,7 +12,9 @@ use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::scene::Scene;
 use bipenalty::schemes::{ClosedLimit, SchemeName};
 use bipenalty::spectrum::Uncertified;
-use bipenalty::stability::{AnyModel, Asking, Axis, CriticalStep, Curve, Grid, Model, map, with_limit};
+use bipenalty::stability::{
+    AnyModel, Asking, Axis, CriticalStep, Curve, Grid, LimitOf, Model, map, with_limit,
+};
 
 /// How the points of a job are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,7 +66,7 @@ pub struct Solved {
     /// The model.
     pub model: Arc<AnyModel>,
     /// Whose limit.
-    pub limit: Limit,
+    pub limit: LimitOf,
     /// The map.
     pub curves: Vec<Curve>,
     /// The contact-free limit.
@@ -177,7 +179,7 @@ impl Job {
             }
         };
         let contact_free = model.contact_free(&asking)?.step;
-        Ok(Solved { model: model.clone(), limit: limit.limit, curves, contact_free, optimal, seconds })
+        Ok(Solved { model: model.clone(), limit: asking.limit, curves, contact_free, optimal, seconds })
     }
 
     fn curves(&self, model: &AnyModel, asking: &Asking, progress: &Progress) -> Result<Vec<Curve>, Refusal> {

@@ -14,6 +14,7 @@ mod peers;
 mod plan;
 mod progress;
 mod redraw;
+mod steps;
 mod summary;
 mod verification;
 
@@ -29,11 +30,13 @@ pub use options::{
 };
 pub use output::{Output, check_stems};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
-pub use plan::explain;
+pub use plan::{explain, step_and_cost};
 pub use progress::Progress;
 pub use redraw::{redraw_optimal_ratio, redraw_stability};
+pub use steps::{HeldStep, hold_step};
 pub use summary::{
-    MapSummary, governing_answer, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios,
+    FEW_POINTS, MapSummary, governing_answer, point_answers, print_impacts, print_summaries, print_table,
+    tabulate_ratios,
 };
 pub use verification::{print_reasons, print_verification};
 

@@ -28,6 +28,9 @@ pub struct MapSummary {
     pub holds: bool,
 }
 
+/// Up to this many points are answered in words.
+pub const FEW_POINTS: usize = 8;
+
 /// What stands below every table of limits.
 const CAUTION: &str = "The limits are linear, of closed contact. Contact that opens and closes may gain energy below them: central \
                        differences with a mass penalty did at every step measured; the predictor-corrector at r = 1/4 did not \
@@ -131,7 +134,7 @@ fn verdict(solved: &Solved, free: CriticalStep, optimal: CriticalStep) -> (Strin
     if solved.model.contacts() == 0 {
         return ("no contact".to_owned(), true);
     }
-    if solved.limit.scheme().is_some() {
+    if !solved.limit.is_spectrum() {
         // A scheme need not keep it; what it keeps is the answer.
         let kept = optimal.critical_courant / free.critical_courant;
         let text = match optimal.is_lower_bound() {
@@ -291,13 +294,13 @@ pub fn point_answers(solved: &Solved, rows: &[StabilityRow]) -> Vec<String> {
         let step = point.step.ok()?;
         let pure = if ratio == Ratio::PURE_PENALTY { " (pure penalty)" } else { "" };
         let free = solved.contact_free.ok();
-        let evidence = match solved.limit.scheme() {
-            None => format!(", omega_max = {:e} rad/s", step.omega_max),
-            Some(scheme) => match free.filter(|free| free.upper < step.lower) {
-                None => format!(", {}", scheme.name()),
+        let evidence = match solved.limit.is_spectrum() {
+            true => format!(", omega_max = {:e} rad/s", step.omega_max),
+            false => match free.filter(|free| free.upper < step.lower) {
+                None => format!(", {}", solved.limit.name()),
                 Some(free) => format!(
                     ", {}; when the contact opens dt = {:e} s binds",
-                    scheme.name(),
+                    solved.limit.name(),
                     solved.seconds_of(free.lower)
                 ),
             },

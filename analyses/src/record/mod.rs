@@ -15,6 +15,7 @@ mod opening_rows;
 mod provenance;
 mod read;
 mod rows;
+mod step_rows;
 mod table;
 mod verify_rows;
 
@@ -24,6 +25,7 @@ pub use opening_rows::{OpeningRow, Recommendation, scans};
 pub use provenance::Provenance;
 pub use read::{optimal_ratio_rows, stability_rows};
 pub use rows::{GIVEN, LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow, Subject};
+pub use step_rows::StepRow;
 pub use table::Table;
 pub use verify_rows::VerifyRow;
 

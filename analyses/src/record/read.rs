@@ -4,7 +4,9 @@ use std::path::Path;
 
 use super::{LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow};
 use crate::error::{Error, Refusal, Result};
-use bipenalty::schemes::SchemeName;
+use bipenalty::damping::Damping;
+use bipenalty::schemes::explicit::ExplicitName;
+use bipenalty::schemes::{SchemeName, damped};
 
 /// A row that can be read back from its file.
 pub(super) trait Row: Sized {
@@ -184,10 +186,15 @@ impl Cells<'_> {
     }
 
     pub(super) fn limit(&self, column: &str) -> Result<&'static str, Refusal> {
-        const SCHEMES: [SchemeName; 3] =
-            [SchemeName::CentralDifference, SchemeName::PredictorCorrector, SchemeName::Park];
-        let names = SCHEMES.map(SchemeName::name);
-        let known = || names.into_iter().chain(["spectrum"]);
+        let schemes = || SchemeName::PAPER.into_iter();
+        // Damped schemes have names of their own.
+        let lagging = Damping::new(1.0, 0.0, 0.0)?;
+        let damped = schemes().filter_map(|name| Some(damped(name, lagging).ok()?.facts().name));
+        let damped: Vec<&'static str> = damped.collect();
+        let known = || {
+            let others = ExplicitName::ALL.into_iter().map(ExplicitName::name);
+            schemes().map(SchemeName::name).chain(["spectrum"]).chain(others).chain(damped.iter().copied())
+        };
         let allowed = known().collect::<Vec<_>>().join(", ");
         self.parsed(column, &allowed, |text| known().find(|name| *name == text))
     }

@@ -30,6 +30,10 @@ pub struct Subject {
     elements: Option<usize>,
     /// C_r/dt_cr, 1/s.
     rate: f64,
+    /// The smallest scale of the contacts, N/m, if there are any.
+    scale: Option<f64>,
+    /// omega_ref^2, rad^2/s^2.
+    reference: f64,
 }
 
 /// The mass matrix of a scene that brings its own.
@@ -44,6 +48,8 @@ impl Subject {
             gamma: Some(Number(model.mass().gamma())),
             elements: Some(model.scene().elements()),
             rate: model.reference_rate().sqrt(),
+            scale: model.scales().iter().map(|scale| scale.stiffness).reduce(f64::min),
+            reference: model.reference_eigenvalue(),
         }
     }
 
@@ -55,13 +61,21 @@ impl Subject {
         if let AnyModel::Bars(model) = model {
             return Ok(Self::of_bars(model));
         }
+        let reference = model.reference()?;
         Ok(Self {
             scene: model.name().to_owned(),
             mass: model.mass().map_or(GIVEN.to_owned(), |mass| mass.name()),
             gamma: model.mass().map(|mass| Number(mass.gamma())),
             elements: model.elements(),
-            rate: 0.5 * model.reference()?.sqrt(),
+            rate: 0.5 * reference.sqrt(),
+            scale: model.smallest_scale(),
+            reference,
         })
+    }
+
+    /// The smallest scale of the contacts, N/m: what beta_s multiplies there. `None` without contacts.
+    pub fn scale(&self) -> Option<f64> {
+        self.scale
     }
 }
 
@@ -102,6 +116,10 @@ columns! {
     /// [`PROVEN`] for an enclosed limit, [`LOWER_BOUND`], the probability that the enclosure is wrong, or empty where nothing
     /// could be certified.
     evidence: String = evidence(),
+    /// s = beta_s w, N/m, of the contact of smallest scale w, the softest; empty without contacts.
+    penalty_stiffness: Option<Number> = result(NOT_NEGATIVE),
+    /// m = s/(r omega_ref^2), kg, of the same contact.
+    penalty_mass: Option<Number> = result(NOT_NEGATIVE),
 }
 
 /// The evidence of a limit that lies between its bounds.
@@ -126,6 +144,7 @@ impl StabilityRow {
         rows.map(|(ratio, point)| {
             let engine = point.engine;
             let step: Result<CriticalStep, Uncertified> = point.step;
+            let stiffness = subject.scale.map(|scale| point.stiffness_penalty.get() * scale);
             let number = |f: fn(CriticalStep) -> f64| step.ok().map(|step| Number(f(step)));
             let found = step.ok().filter(|step| !step.is_lower_bound()).map(|step| step.critical_courant);
             // A root and a quotient more than in C_r.
@@ -154,6 +173,8 @@ impl StabilityRow {
                 step_lower: step.ok().map(|step| seconds(step.lower, 1.0 - margin)),
                 step_upper: step.ok().map(|step| seconds(step.upper, 1.0 + margin)),
                 evidence,
+                penalty_stiffness: stiffness.map(Number),
+                penalty_mass: stiffness.map(|s| Number(s / (ratio.get() * subject.reference))),
             }
         })
         .collect()

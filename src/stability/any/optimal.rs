@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::asking::Asking;
+use super::asking::{Asking, LimitOf};
 use super::curve::step;
 use super::mesh::MeshModel;
 use super::{AnyModel, with_limit};
@@ -42,12 +42,27 @@ impl AnyModel {
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<Vec<FoundAndExpected>> {
         self.check(asking)?;
+        // A multiple of every step is one of both that are compared.
+        let spectrum;
+        let asking = match asking.limit {
+            LimitOf::Explicit(_) => {
+                spectrum = asking.of_spectrum();
+                &spectrum
+            }
+            _ => asking,
+        };
+        let damped = matches!(asking.limit, LimitOf::Damped(_));
         let beta_s = beta_s.iter().map(|b| StiffnessPenalty::new(*b)).collect::<Result<Vec<_>, _>>()?;
         match self {
             Self::Bars(model) => with_limit(model, asking, |limit| {
-                Ok(ratios_of_bars(model, limit, asking.limit.scheme().is_some(), &beta_s, done))
+                let of_scheme = damped || asking.limit.scheme().is_some();
+                Ok(ratios_of_bars(model, limit, of_scheme, &beta_s, done))
             })?
             .map_err(Error::from),
+            Self::Mesh(model) if damped => {
+                let value = format!("{} with scene {}", asking.limit.name(), model.name());
+                Err(Refusal::new("limit", value, "no damping, or a scene of [[bar]]").into())
+            }
             Self::Mesh(model) => {
                 let one = |b: &StiffnessPenalty| {
                     let found = model.optimal_ratio(*b, asking)?;
@@ -71,6 +86,9 @@ impl AnyModel {
         asking: &Asking,
     ) -> Result<Vec<(f64, f64)>, Refusal> {
         self.check(asking)?;
+        if matches!(asking.limit, LimitOf::Damped(_) | LimitOf::Explicit(_)) {
+            return self.transformed_contour(critical_courant, beta_s, ratio, asking);
+        }
         match self {
             Self::Mesh(model) => model.contour(critical_courant, beta_s, ratio, asking),
             Self::Bars(model) if asking.limit.scheme().is_none() => {
