@@ -97,7 +97,7 @@ pub fn impact_errors(rows: &[Measurement], scene: &str) -> Figure {
 }
 
 /// What can be drawn of a family.
-fn measured<'a>(rows: &'a [Measurement], family: Family) -> Vec<&'a Measurement> {
+fn measured(rows: &[Measurement], family: Family) -> Vec<&Measurement> {
     rows.iter().filter(|row| row.family == family && row.point().is_some()).collect()
 }
 

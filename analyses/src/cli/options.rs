@@ -207,7 +207,7 @@ impl LimitOptions {
         }
         let limit = match self.limit.scheme() {
             None => LimitOf::Spectrum,
-            Some(scheme) => LimitOf::Scheme(scheme.with_theta(self.theta.unwrap_or(0.5))?.into()),
+            Some(scheme) => LimitOf::Scheme(scheme.with_theta(self.theta.unwrap_or(0.5))?),
         };
         let Self { engine, tolerance, patch, .. } = *self;
         Ok(Asking { limit, engine, tolerance, patch, memory: None })
