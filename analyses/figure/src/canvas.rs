@@ -19,12 +19,16 @@ use super::theme::{BLACK, Colour, HALO, PT, Shape, WHITE};
 const UNITS: f64 = 100.0;
 /// Family name of the built-in font; the PDF finds it by this.
 const FAMILY: &str = "DejaVu Sans";
+/// What a viewer without it may take instead.
+const FALLBACK: &str = ", Verdana, sans-serif";
 
 /// What the page is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     /// A picture that looks the same everywhere: text as glyph outlines, which need no font, cells as an image.
     Svg,
+    /// The same with text as text.
+    Letters,
     /// A drawing for the converter to PDF: text in the built-in font, which it embeds, cells as rectangles.
     Pdf,
 }
@@ -195,7 +199,7 @@ impl<'f> Canvas<'f> {
         for piece in &line.pieces {
             match self.form {
                 Form::Svg => self.outlines(piece, start, text.colour, false),
-                Form::Pdf => self.live(piece, start, text.colour),
+                Form::Letters | Form::Pdf => self.live(piece, start, text.colour),
             }
         }
         self.marks.text.push_str("</g>\n");
@@ -229,9 +233,10 @@ impl<'f> Canvas<'f> {
 
     fn live(&mut self, piece: &Piece, start: Point, colour: Colour) {
         let (x, y) = spot((start.0 + piece.x, start.1 + piece.y));
+        let others = if self.form == Form::Letters { FALLBACK } else { "" };
         let _ = writeln!(
             self.marks.text,
-            "<text transform=\"matrix(1 0 {:.4} 1 {x} {y})\" font-family=\"{FAMILY}\" \
+            "<text transform=\"matrix(1 0 {:.4} 1 {x} {y})\" font-family=\"{FAMILY}{others}\" \
              font-size=\"{:.2}\" font-kerning=\"none\" fill=\"{}\" xml:space=\"preserve\">{}</text>",
             -piece.slant,
             piece.size * UNITS,

@@ -12,7 +12,7 @@ use super::model::{Figure, Layer, Naming};
 use super::names::{Name, Names, Series, is_series, label_of, place, right_end};
 use super::theme::{
     BLACK, CASING_STROKE, CURVE_STROKE, GAP, GREY, LABEL_SIZE, LEADER, MARKER, PT, SHADE, THIN_STROKE, WHITE,
-    series_colour, series_dash, series_shape,
+    series_colour, series_dash, series_shape, series_stroke,
 };
 use super::trace::{Trace, trace};
 
@@ -81,7 +81,7 @@ impl Figure {
             };
             let panels = arrange_panels(layout.panels, fonts, series)?;
             if !panels.iter().any(ArrangedPanel::has_homeless_series) {
-                return page(panels, layout.bar, layout.width, layout.height, fonts);
+                return page(self, panels, layout.bar, layout.height, fonts);
             }
         }
         let layout = layout(self, fonts, 0.0)?;
@@ -93,7 +93,7 @@ impl Figure {
             listed.append(&mut arranged.names.homeless);
             arranged.names.homeless = listed;
         }
-        page(panels, layout.bar, layout.width, layout.height, fonts)
+        page(self, panels, layout.bar, layout.height, fonts)
     }
 
     /// Space right of the frames for the names of the curves that end there.
@@ -129,9 +129,9 @@ fn arrange_panels<'a>(
 
 /// Puts the names without a place into the legend.
 fn page<'a>(
+    figure: &'a Figure,
     panels: Vec<ArrangedPanel<'a>>,
     bar: Option<PlacedBar<'a>>,
-    width: f64,
     height: f64,
     fonts: &Fonts,
 ) -> Result<Page<'a>, PlotError> {
@@ -141,7 +141,8 @@ fn page<'a>(
     });
     // A contour in a legend would look like any other one: its colour tells its value.
     let listed = listed.filter(|layer| !matches!(layer, Layer::Contour { .. }));
-    let legend = Legend::new(listed, fonts, width)?;
+    let width = figure.width.millimetres();
+    let legend = Legend::new(listed.chain(&figure.key), fonts, width)?;
     Ok(Page { panels, bar, legend, width, height })
 }
 
@@ -191,9 +192,11 @@ fn draw_layer(
 /// The pen of a layer's lines.
 pub(super) fn pen_of(layer: &Layer) -> Option<Pen> {
     match layer {
-        Layer::Curve { style, .. } => {
-            Some(Pen { colour: series_colour(*style), width: CURVE_STROKE, dash: series_dash(*style) })
-        }
+        Layer::Curve { style, .. } => Some(Pen {
+            colour: series_colour(*style),
+            width: series_stroke(*style),
+            dash: series_dash(*style),
+        }),
         Layer::Markers { style, joined, .. } => {
             joined.then(|| Pen::solid(series_colour(*style), THIN_STROKE))
         }

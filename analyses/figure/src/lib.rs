@@ -71,6 +71,7 @@ pub use error::PlotError;
 pub use isolines::isolines;
 pub use markup::literal;
 pub use model::{
-    At, Axis, ColourBar, ColourMap, DataPoint, Figure, Layer, Naming, Panel, Scale, Side, Source, Width,
+    At, Axis, ColourBar, ColourMap, DataPoint, Figure, Layer, Lettering, Naming, Panel, Scale, Side, Source,
+    Width,
 };
 pub use tex::TexSource;

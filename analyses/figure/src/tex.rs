@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use super::axes::power_note;
 use super::canvas::Pen;
-use super::cells::Cells;
+use super::cells::{Cells, colour};
 use super::draw::{ArrangedPanel, Page, pen_of};
 use super::error::PlotError;
 use super::font::Fonts;
@@ -112,8 +112,10 @@ fn panel(tex: &mut String, page: &Page, index: usize) -> Result<(), PlotError> {
         rect.width(),
         rect.height()
     );
-    if let Some(title) = &panel.title {
-        let _ = writeln!(tex, "  title={{{}}},", tex_label(title)?);
+    if placed.tag.is_some() || panel.title.is_some() {
+        let parts = placed.tag.iter().chain(&panel.title).map(|part| tex_label(part));
+        let title = parts.collect::<Result<Vec<_>, _>>()?.join(" ");
+        let _ = writeln!(tex, "  title={{{title}}},");
     }
     axis(tex, 'x', placed.frame.x, &placed.x_ticks, &panel.x.label)?;
     axis(tex, 'y', placed.frame.y, &placed.y_ticks, &panel.y.label)?;
@@ -185,11 +187,18 @@ fn major(ticks: &Ticks, place: impl Fn(f64) -> f64) -> Result<(String, String), 
 fn colour_bar(tex: &mut String, placed: &PlacedBar, visible: bool) -> Result<(), PlotError> {
     let of = |value: f64| if placed.interval.scale == Scale::Log { value.log10() } else { value };
     let map = match placed.bar.map {
-        ColourMap::Viridis => "viridis",
-        ColourMap::Cividis => "cividis",
+        ColourMap::Viridis => " name=viridis".to_owned(),
+        ColourMap::Cividis => " name=cividis".to_owned(),
+        ColourMap::Grey => " name=blackwhite".to_owned(),
+        // Unknown to pgfplots: by its colours.
+        ColourMap::Batlow => {
+            let shares = (0..=16).map(|step| colour(ColourMap::Batlow, f64::from(step) / 16.0));
+            let colours: Vec<String> = shares.map(|(r, g, b)| format!("rgb255=({r},{g},{b})")).collect();
+            format!("={{batlow}}{{{}}}", colours.join(" "))
+        }
     };
     let (low, high) = (of(placed.interval.low), of(placed.interval.high));
-    let _ = writeln!(tex, "  colormap name={map}, point meta min={low:e}, point meta max={high:e},");
+    let _ = writeln!(tex, "  colormap{map}, point meta min={low:e}, point meta max={high:e},");
     if visible {
         let (places, names) = major(&placed.ticks, of)?;
         let _ = writeln!(
