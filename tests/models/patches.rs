@@ -28,7 +28,8 @@ fn patches_of_hexahedra_are_too_high_by_little() {
         let step = step.step.unwrap();
         let high = (step.upper / step.lower).powi(2) - 1.0;
         println!("{edge}: {high:e}");
-        assert!((high / expected - 1.0).abs() < 0.06, "{edge}: {high:e}, expected {expected:e}");
+        // The expected values have two digits, and how high is looked for to a twentieth.
+        assert!((0.95..1.05 * 1.05).contains(&(high / expected)), "{edge}: {high:e}, expected {expected:e}");
     }
     let plan = model.plan(1, &Asking { patch: Some(4), ..Asking::default() }).unwrap();
     let Some(Prover::Patches { edge: 4, total: 27, different: 1, largest: 375 }) = plan.prover else {
@@ -58,7 +59,8 @@ fn patches_of_blocks_that_do_not_match_hold_the_exact_value() {
                     let bound = of(Some(edge), None);
                     let place = format!("{}, {beta_s}, {ratio}, {edge}: {bound:?} {exact:?}", mass.name());
                     assert!(bound.lower <= exact.upper && exact.lower <= bound.upper, "{place}");
-                    assert!(bound.lower >= 0.6 * exact.lower && bound.lower >= 0.9 * last, "{place}");
+                    // l up to 1.78 times too high for patches of one element, looked for to a twentieth.
+                    assert!(bound.lower >= 0.59 * exact.lower && bound.lower >= 0.9 * last, "{place}");
                     last = bound.lower;
                 }
                 assert!(last >= 0.93 * exact.lower, "{}, {beta_s}, {ratio}: {last} {exact:?}", mass.name());
