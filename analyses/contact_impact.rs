@@ -8,8 +8,8 @@ use std::process::ExitCode;
 
 use analyses::charts::impacts::{self, Quantity};
 use analyses::cli::{
-    FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, arguments, check_memory,
-    check_stems, checked_grid, exact_energy, exact_force, exact_stress, execute, finish, print_impacts,
+    Analysis, FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, check_memory,
+    check_stems, checked_grid, exact_energy, exact_force, exact_stress, execute, narrate, print_impacts,
     require_memory, suffix,
 };
 use analyses::error::{Refusal, Result};
@@ -71,42 +71,67 @@ const EXAMPLES: &str = "Examples:
   contact-impact bouncing-bar --mass lumped --duration 16 --every 10 --format svg,csv";
 
 fn main() -> ExitCode {
-    finish(run(&arguments::<Options>()))
+    narrate::<Options>()
 }
 
-fn run(options: &Options) -> Result<Verdict> {
-    let figures = plan(options)?;
-    let planned: Vec<PlannedRun> = figures.concat();
-    let output = Output::prepare(&options.output, "contact-impact")?;
-    if options.output.explain {
+impl Analysis for Options {
+    const NAME: &'static str = "contact-impact";
+    type Plan = Vec<Vec<PlannedRun>>;
+    type Found = Found;
+
+    fn output(&self) -> &OutputOptions {
+        &self.output
+    }
+
+    fn plan(&self) -> Result<Self::Plan> {
+        plan(self)
+    }
+
+    fn explain(&self, figures: &Self::Plan) -> Result<String> {
         let steps = |planned: &PlannedRun| format!("{}: {} steps\n", planned.stem(), planned.run.steps());
         let left_out =
             "left out: eigenvectors; mass solves where the mass is lumped; exact solutions a scene has not\n";
-        Output::print_text(&(planned.iter().map(steps).collect::<String>() + left_out))?;
-        return Ok(Verdict::Holds);
+        Ok(figures.iter().flatten().map(steps).collect::<String>() + left_out)
     }
-    let (mut rows, mut files, mut complete) = (Vec::new(), 0, true);
-    let steps = planned.iter().map(|planned| planned.run.steps() as usize).sum();
-    let progress = Progress::new(steps, "steps", options.output.quiet);
-    for runs in &figures {
-        progress.doing(runs[0].run.model().scene().name());
-        let finished = execute(runs, &recording(options, &runs[0].run), &progress)?;
-        rows.extend(finished.iter().map(FinishedRun::row));
-        files += write(&finished, &output)?;
-        complete &=
-            finished.len() == runs.len() && finished.iter().all(|run| run.history.ending == Ending::Finished);
-        if finished.iter().any(|run| matches!(run.history.ending, Ending::Stopped { .. })) {
-            break;
+
+    fn compute(&self, figures: Self::Plan, output: &Output) -> Result<(Found, usize)> {
+        let steps = figures.iter().flatten().map(|planned| planned.run.steps() as usize).sum();
+        let progress = Progress::new(steps, "steps", self.output.quiet);
+        let mut found = Found { rows: Vec::new(), complete: true };
+        let mut files = 0;
+        for runs in &figures {
+            progress.doing(runs[0].run.model().scene().name());
+            let finished = execute(runs, &recording(self, &runs[0].run), &progress)?;
+            found.rows.extend(finished.iter().map(FinishedRun::row));
+            files += write(&finished, output)? + draw_all(&finished, output)?;
+            found.complete &= finished.len() == runs.len()
+                && finished.iter().all(|run| run.history.ending == Ending::Finished);
+            if finished.iter().any(|run| matches!(run.history.ending, Ending::Stopped { .. })) {
+                break;
+            }
         }
+        files += output.write_rows("summary", &found.rows)?.len();
+        Ok((found, files))
     }
-    drop(progress);
-    output.print(&rows)?;
-    files += output.write_rows("summary", &rows)?.len();
-    if !options.output.quiet {
-        print_impacts(&rows);
-        output.report(files);
+
+    fn print(&self, found: &Found, output: &Output) -> Result<()> {
+        output.print(&found.rows)
     }
-    Ok(if complete { Verdict::Holds } else { Verdict::Fails })
+
+    fn summarise(&self, found: &Found) {
+        print_impacts(&found.rows);
+    }
+
+    fn verdict(&self, found: &Found) -> Verdict {
+        if found.complete { Verdict::Holds } else { Verdict::Fails }
+    }
+}
+
+/// What the runs have left.
+struct Found {
+    rows: Vec<ImpactRow>,
+    /// Whether every run came to its end.
+    complete: bool,
 }
 
 /// The runs of every figure: one scene, one mass matrix, one ratio, all penalties and schemes.
@@ -118,7 +143,7 @@ fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
     let grid = checked_grid(&options.beta_s, &options.ratio)?;
     require_memory(&grid, BYTES_PER_RUN * options.scheme.len() as u64)?;
     let mut figures = Vec::new();
-    for model in asked.scenes()?.iter().flat_map(|scene| asked.models(scene)) {
+    for model in asked.bars()?.iter().flat_map(|scene| asked.bar_models(scene)) {
         check_has_contact(&model)?;
         model.check_grid(&grid)?;
         check_form(&model, &grid)?;
@@ -192,28 +217,25 @@ fn stress_time(run: &Run) -> f64 {
     first.map_or(run.duration() / 6.0, |(start, end)| start + 0.25 * (end - start))
 }
 
-/// Writes the records of the runs of one figure, and the figures.
+/// Writes the records of the runs of one figure; the number of files.
 fn write(finished: &[FinishedRun], output: &Output) -> Result<usize> {
-    let Some(first) = finished.first() else { return Ok(0) };
-    let contacts = first.history.contacts;
     let mut files = 0;
     for run in finished {
-        for contact in 0..contacts {
+        for contact in 0..run.history.contacts {
             files +=
                 output.write_rows(&run.history_stem(contact), &HistoryRow::of(&run.history, contact))?.len();
         }
         files += output.write_rows(&run.stress_stem(), &run.stress())?.len();
     }
-    // What has blown up would hide everything else; its row says when.
+    Ok(files)
+}
+
+/// Draws the runs of one figure, contact by contact. What has blown up would hide everything else; its row says when.
+fn draw_all(finished: &[FinishedRun], output: &Output) -> Result<usize> {
     let drawable = |run: &&FinishedRun| !matches!(run.history.ending, Ending::BlewUp { .. });
     let drawable: Vec<&FinishedRun> = finished.iter().filter(drawable).collect();
-    if !output.wants_figures() || drawable.is_empty() {
-        return Ok(files);
-    }
-    for contact in 0..contacts {
-        files += draw(&first.planned, &drawable, contact, output)?;
-    }
-    Ok(files)
+    let Some(first) = drawable.first().filter(|_| output.wants_figures()) else { return Ok(0) };
+    (0..first.history.contacts).map(|contact| draw(&first.planned, &drawable, contact, output)).sum()
 }
 
 /// Force and gap of one contact; with the first also what belongs to the bars.

@@ -6,11 +6,10 @@
 
 use std::process::ExitCode;
 
-use analyses::cli::{Output, OutputOptions, Progress, Verdict, arguments, finish, print_table};
+use analyses::cli::{Analysis, Output, OutputOptions, Progress, Verdict, narrate, print_table};
 use analyses::error::{Refusal, Result};
-use analyses::record::ExtremeRow;
 use clap::Parser;
-use precision::{Case, Checked, References, cases};
+use precision::{Case, Checked, References, cases, distinct};
 use rayon::prelude::*;
 
 /// Extreme inputs against extended precision; exit status 1 if a case does not hold.
@@ -30,42 +29,53 @@ const EXAMPLES: &str = "Examples:
   extreme-cases --stdout csv --quiet  records on standard output";
 
 fn main() -> ExitCode {
-    finish(run(&arguments::<Options>()))
+    narrate::<Options>()
 }
 
-fn run(options: &Options) -> Result<Verdict> {
-    let chosen = choose(&options.words)?;
-    let output = Output::prepare(&options.output, "extreme-cases")?;
-    if options.output.explain {
-        let cases = chosen.len();
-        Output::print_text(&format!(
-            "{cases} cases against tests/data/extreme_cases.csv; left out: figures\n"
-        ))?;
-        return Ok(Verdict::Holds);
+impl Analysis for Options {
+    const NAME: &'static str = "extreme-cases";
+    type Plan = Vec<Case>;
+    type Found = Vec<Checked>;
+
+    fn output(&self) -> &OutputOptions {
+        &self.output
     }
-    let references = References::built_in();
-    let progress = Progress::new(chosen.len(), "cases", options.output.quiet);
-    let checked: Result<Vec<Checked>> = chosen
-        .par_iter()
-        .map(|case| {
+
+    fn plan(&self) -> Result<Vec<Case>> {
+        choose(&self.words)
+    }
+
+    fn explain(&self, cases: &Vec<Case>) -> Result<String> {
+        Ok(format!("{} cases against tests/data/extreme_cases.csv; left out: figures\n", cases.len()))
+    }
+
+    fn compute(&self, cases: Vec<Case>, output: &Output) -> Result<(Self::Found, usize)> {
+        let references = References::built_in();
+        let progress = Progress::new(cases.len(), "cases", self.output.quiet);
+        let check = |case: &Case| {
             let reference = references.of(case).map_err(|missing| {
                 Refusal::new(&case.name, missing, "cases with a reference in the table that was built in")
             })?;
             let checked = case.check(&reference);
             progress.add(1);
             Ok(checked)
-        })
-        .collect();
-    drop(progress);
-    let checked = checked?;
-    let rows: Vec<ExtremeRow> = checked.iter().map(ExtremeRow::new).collect();
-    let files = output.write_rows("extreme-cases", &rows)?;
-    output.print(&rows)?;
-    if !options.output.quiet {
-        summarise(&checked);
-        output.report(files.len());
+        };
+        let checked: Vec<Checked> = cases.par_iter().map(check).collect::<Result<_>>()?;
+        let files = output.write_rows(Self::NAME, &checked)?.len();
+        Ok((checked, files))
     }
-    Ok(if checked.iter().all(|case| case.holds) { Verdict::Holds } else { Verdict::Fails })
+
+    fn print(&self, checked: &Vec<Checked>, output: &Output) -> Result<()> {
+        output.print(checked)
+    }
+
+    fn summarise(&self, checked: &Vec<Checked>) {
+        summarise(checked);
+    }
+
+    fn verdict(&self, checked: &Vec<Checked>) -> Verdict {
+        if checked.iter().all(|case| case.holds) { Verdict::Holds } else { Verdict::Fails }
+    }
 }
 
 /// The cases whose names contain one of `words`; all without words.
@@ -82,12 +92,7 @@ fn choose(words: &[String]) -> Result<Vec<Case>> {
 
 /// One line a quantity and what computes it, one line a case that does not hold.
 fn summarise(checked: &[Checked]) {
-    let mut kinds: Vec<&str> = Vec::new();
-    for case in checked {
-        if !kinds.contains(&case.quantity.as_str()) {
-            kinds.push(&case.quantity);
-        }
-    }
+    let kinds = distinct(checked.iter().map(|case| case.quantity.as_str()));
     let header = ["quantity", "cases", "hold", "largest relative error", "largest error/allowed", "allowed"];
     let line = |kind: &&str| {
         let of_kind: Vec<&Checked> = checked.iter().filter(|case| case.quantity == **kind).collect();

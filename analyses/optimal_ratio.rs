@@ -5,22 +5,19 @@
 //! penalised and the contact-free l_max are apart). The expected ratio is r* = l_max(K, M)/omega_e^2, which is 1 for
 //! bars with free ends.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use analyses::charts;
 use analyses::cli::{
-    self, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments, check_stems,
-    checked_grid, finish, print_table, redraw_optimal_ratio, require_memory, tabulate_ratios,
+    self, Analysis, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, check_stems,
+    checked_grid, narrate, print_table, redraw_optimal_ratio, require_memory, tabulate_ratios,
 };
 use analyses::error::{Refusal, Result};
-use analyses::record::OptimalRatioRow;
-use bipenalty::penalty::StiffnessPenalty;
-use bipenalty::stability::{
-    Axis, Expectation, Grid, Model, check_has_contact, governing_bar, optimal_ratio, optimal_scheme_ratio,
-};
+use analyses::record::{OptimalRatioRow, Subject};
+use bipenalty::stability::{AnyModel, Axis, Grid, LimitOf, governing_bar};
 use clap::{Parser, ValueHint};
-use rayon::prelude::*;
 
 /// The largest penalty ratio r that costs no time step, with its enclosure, over the stiffness penalty.
 #[derive(Debug, Parser)]
@@ -35,7 +32,8 @@ struct Options {
     limit: LimitOptions,
     /// Draw the records of a CSV file, written by an earlier run, again without computing
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
-        "elements", "mass", "penalty_mass", "beta_s", "limit", "theta", "engine"])]
+        "elements", "mass", "penalty_mass", "beta_s", "limit", "theta", "parameter", "damping_mass", "damping_stiffness",
+        "damping_contact", "engine", "tolerance", "patch"])]
     from: Option<PathBuf>,
     #[command(flatten)]
     output: OutputOptions,
@@ -48,42 +46,104 @@ const EXAMPLES: &str = "Examples:
   optimal-ratio signorini --mass lumped --beta-s log:1:1e16:17 --stdout csv
   optimal-ratio --from figures/optimal-ratio/signorini.csv --width single --format pdf";
 
+/// Records to draw again, or the models of each scene and the stiffness penalties.
+enum Plan {
+    Redraw(PathBuf),
+    Models(Vec<Vec<Arc<AnyModel>>>, Grid),
+}
+
 /// What was found for one model.
 struct Found {
-    model: Model,
+    model: Arc<AnyModel>,
     /// The expected ratio where it is one for every beta_s.
     expected: Option<f64>,
     rows: Vec<OptimalRatioRow>,
 }
 
 fn main() -> ExitCode {
-    finish(run(&arguments::<Options>()))
+    narrate::<Options>()
 }
 
-fn run(options: &Options) -> Result<Verdict> {
-    if let Some(file) = &options.from {
-        return redraw(file, options);
+impl Analysis for Options {
+    const NAME: &'static str = "optimal-ratio";
+    type Plan = Plan;
+    /// What was computed, and the rows of a file drawn again.
+    type Found = (Vec<Found>, Vec<OptimalRatioRow>);
+
+    fn output(&self) -> &OutputOptions {
+        &self.output
     }
-    let models = plan(options)?;
-    let output = Output::prepare(&options.output, "optimal-ratio")?;
-    let grid = checked_grid(&options.beta_s, &Axis::list([1.0, 1e12]))?;
-    // A row with its text and its cells.
-    require_memory(&grid, 2000)?;
-    models.iter().flatten().try_for_each(|model| model.check_grid(&grid))?;
-    if options.output.explain {
-        let plan: String = models.iter().flatten().map(|model| explain(model, options, &grid)).collect();
-        Output::print_text(&plan)?;
-        return Ok(Verdict::Holds);
+
+    fn plan(&self) -> Result<Plan> {
+        if let Some(file) = &self.from {
+            return Ok(Plan::Redraw(file.clone()));
+        }
+        let models = plan(self)?;
+        let grid = checked_grid(&self.beta_s, &Axis::list([1.0, 1e12]))?;
+        // A row with its text and its cells.
+        require_memory(&grid, 2000)?;
+        let bars = models.iter().flatten().filter(|model| matches!(***model, AnyModel::Bars(_)));
+        bars.into_iter().try_for_each(|model| model.check_grid(&grid))?;
+        Ok(Plan::Models(models, grid))
     }
+
+    fn explain(&self, plan: &Plan) -> Result<String> {
+        match plan {
+            Plan::Redraw(file) => {
+                Ok(format!("{}: drawn again; left out: every computation\n", file.display()))
+            }
+            Plan::Models(models, grid) => {
+                let models = models.iter().flatten();
+                Ok(models.map(|model| explain(model, self, grid)).collect::<Result<_, Refusal>>()?)
+            }
+        }
+    }
+
+    fn compute(&self, plan: Plan, output: &Output) -> Result<(Self::Found, usize)> {
+        match plan {
+            Plan::Redraw(file) => {
+                let (rows, files) = redraw_optimal_ratio(&file, output)?;
+                Ok(((Vec::new(), rows), files))
+            }
+            Plan::Models(models, grid) => {
+                let (found, files) = compute(self, &models, &grid, output)?;
+                Ok(((found, Vec::new()), files))
+            }
+        }
+    }
+
+    fn print(&self, (found, redrawn): &Self::Found, output: &Output) -> Result<()> {
+        output.print(found.iter().flat_map(|found| &found.rows).chain(redrawn))
+    }
+
+    fn summarise(&self, (found, _): &Self::Found) {
+        if !found.is_empty() {
+            summarise(found);
+        }
+    }
+
+    fn verdict(&self, (found, redrawn): &Self::Found) -> Verdict {
+        let mut rows = found.iter().flat_map(|found| &found.rows).chain(redrawn);
+        if rows.all(|row| row.holds) { Verdict::Holds } else { Verdict::Fails }
+    }
+}
+
+/// Searches the models scene by scene, writes and draws what was found.
+fn compute(
+    options: &Options,
+    models: &[Vec<Arc<AnyModel>>],
+    grid: &Grid,
+    output: &Output,
+) -> Result<(Vec<Found>, usize)> {
     let points = models.iter().flatten().count() * grid.stiffness_penalties.len();
     let progress = Progress::new(points, "ratios", options.output.quiet);
-    let (mut all, mut holds, mut files) = (Vec::new(), true, 0);
-    for models in &models {
+    let (mut all, mut files) = (Vec::new(), 0);
+    for models in models {
         let mut found = Vec::new();
         for model in models {
-            found.push(search(model, &grid, &options.limit, &progress)?);
+            found.push(search(model, grid, &options.limit, &progress)?);
         }
-        let name = models[0].scene().name();
+        let name = models[0].name();
         let rows: Vec<Vec<OptimalRatioRow>> = found.iter().map(|found| found.rows.clone()).collect();
         files += output.write_rows(name, &rows.concat())?.len();
         if output.wants_figures() && options.beta_s.values.len() > 1 {
@@ -92,84 +152,51 @@ fn run(options: &Options) -> Result<Verdict> {
                 files += output.write_figure(name, &figure)?.len();
             }
         }
-        holds &= rows.iter().flatten().all(|row| row.holds);
         all.extend(found);
     }
-    drop(progress);
-    output.print(all.iter().flat_map(|found| &found.rows))?;
-    if !options.output.quiet {
-        summarise(&all);
-        output.report(files);
-    }
-    Ok(if holds { Verdict::Holds } else { Verdict::Fails })
-}
-
-/// The figure of records that an earlier run has left; whether every row of them holds.
-fn redraw(file: &Path, options: &Options) -> Result<Verdict> {
-    let output = Output::prepare(&options.output, "optimal-ratio")?;
-    if options.output.explain {
-        Output::print_text(&format!("{}: drawn again; left out: every computation\n", file.display()))?;
-        return Ok(Verdict::Holds);
-    }
-    let (rows, files) = redraw_optimal_ratio(file, &output)?;
-    output.print(&rows)?;
-    if !options.output.quiet {
-        output.report(files);
-    }
-    Ok(if rows.iter().all(|row| row.holds) { Verdict::Holds } else { Verdict::Fails })
+    Ok((all, files))
 }
 
 /// The models of every scene, one a mass matrix; the built-in scenes if none is named.
-fn plan(options: &Options) -> Result<Vec<Vec<Model>>> {
+fn plan(options: &Options) -> Result<Vec<Vec<Arc<AnyModel>>>> {
     let mut asked = options.scene.clone();
     if asked.scenes.is_empty() {
         asked.scenes = ["signorini", "symmetric", "hunek"].map(str::to_owned).to_vec();
     }
-    let models: Vec<Vec<Model>> = asked.scenes()?.iter().map(|scene| asked.models(scene)).collect();
-    models.iter().flatten().try_for_each(check_has_contact)?;
+    let models = asked.scenes()?.iter().map(|scene| asked.models(scene)).collect::<Result<Vec<_>>>()?;
+    models.iter().flatten().try_for_each(|model| cli::check_touches(model))?;
     models.iter().flatten().try_for_each(|model| options.limit.check(model))?;
-    check_stems(&options.output, models.iter().map(|models| models[0].scene().name().to_owned()))?;
+    check_stems(&options.output, models.iter().map(|models| models[0].name().to_owned()))?;
     Ok(models)
 }
 
-/// Brackets the optimal ratio of one model at every beta_s, in parallel.
-fn search(model: &Model, grid: &Grid, options: &LimitOptions, progress: &Progress) -> Result<Found> {
-    progress.doing(model.scene().name());
-    let uncertified =
-        |error| Refusal::new(model.scene().name(), error, "scenes whose limit can be certified");
-    let pencil = options.needs_pencil().then(|| model.pencil());
-    let name = options.limit.name();
-    let betas = grid.stiffness_penalties.par_iter();
-    if let (Some(scheme), Some(pencil)) = (options.limit.scheme(), &pencil) {
-        let limit = model.limit(&*scheme.with_theta(options.theta())?, pencil)?;
-        let row = |beta_s: &StiffnessPenalty| {
-            let found = optimal_scheme_ratio(model, &*limit, *beta_s)?;
-            progress.add(1);
-            let expected = limit.expected_ratio(beta_s.get());
-            Ok(OptimalRatioRow::new(model, name, beta_s.get(), found, expected))
-        };
-        let rows = betas.map(row).collect::<Result<_, _>>().map_err(uncertified)?;
-        return Ok(Found { model: model.clone(), expected: None, rows });
-    }
-    let engine = options.find(model, pencil.as_ref())?;
-    let expectation = Expectation::of(model, &*engine).map_err(uncertified)?;
-    let expected = Some(expectation.ratio());
-    let row = |beta_s: &StiffnessPenalty| {
-        let found = optimal_ratio(model, &*engine, &expectation, *beta_s)?;
-        progress.add(1);
-        Ok(OptimalRatioRow::new(model, name, beta_s.get(), found, expected))
+/// Brackets the optimal ratio of one model at every beta_s.
+fn search(model: &Arc<AnyModel>, grid: &Grid, options: &LimitOptions, progress: &Progress) -> Result<Found> {
+    progress.doing(model.name());
+    model.check_grid(grid)?;
+    let (asking, subject) = (options.asking()?, Subject::of(model)?);
+    let beta_s: Vec<f64> = grid.stiffness_penalties.iter().map(|b| b.get()).collect();
+    let found = model.optimal_ratios(&beta_s, &asking, &|n| progress.add(n))?;
+    let one_for_all = matches!(asking.limit, LimitOf::Spectrum | LimitOf::Explicit(_));
+    let expected = found.first().and_then(|(_, expected)| *expected).filter(|_| one_for_all);
+    let name = options.name()?;
+    let row = |(beta_s, (found, expected)): (&f64, _)| {
+        OptimalRatioRow::new(&subject, name, *beta_s, found, expected)
     };
-    let rows = betas.map(row).collect::<Result<_, _>>().map_err(uncertified)?;
+    let rows = beta_s.iter().zip(found).map(row).collect();
     Ok(Found { model: model.clone(), expected, rows })
 }
 
-fn explain(model: &Model, options: &Options, grid: &Grid) -> String {
-    let (values, limit) = (grid.stiffness_penalties.len(), options.limit.limit);
-    let method = match limit.scheme() {
-        None => cli::explain(model, options.limit.engine, grid),
-        Some(_) => format!("{}: bisection on the limit of {}", model.scene().name(), limit.name()),
+fn explain(model: &AnyModel, options: &Options, grid: &Grid) -> Result<String, Refusal> {
+    let (values, limit) = (grid.stiffness_penalties.len(), options.limit.asking()?.limit);
+    let method = match (model, limit) {
+        (AnyModel::Bars(_), LimitOf::Scheme(_) | LimitOf::Damped(_)) => {
+            format!("{}: bisection on the limit of {}", model.name(), options.limit.name()?)
+        }
+        _ => cli::explain(model, &options.limit, grid)?,
     };
-    format!("{values} values of beta_s, about 150 limits each\n  {method}\n")
+    let each = if matches!(model, AnyModel::Bars(_)) { ", about 150 limits each" } else { "" };
+    Ok(format!("{values} values of beta_s{each}\n  {method}\n"))
 }
 
 fn summarise(found: &[Found]) {
@@ -185,7 +212,10 @@ fn summarise(found: &[Found]) {
     let line = |found: &Found| {
         let mut cells = tabulate_ratios(&found.rows);
         cells.insert(3, found.expected.map_or("by beta_s".to_owned(), |r| format!("{r:.12}")));
-        cells.push(governing_bar(&found.model));
+        cells.push(match &*found.model {
+            AnyModel::Bars(model) => governing_bar(model),
+            AnyModel::Mesh(_) => "the mesh".to_owned(),
+        });
         cells
     };
     print_table(&header, found.iter().map(line));

@@ -6,18 +6,17 @@
 //! step against the contact-free scene, and, since every ratio costs the Park scheme a step, how much each ratio costs.
 
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use analyses::charts;
 use analyses::cli::{
-    Job, Limit, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Solved, Verdict, arguments,
-    check_stems, finish, print_table, scheme_lines,
+    Analysis, Chart, Job, Limit, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict,
+    check_stems, check_touches, narrate, print_table,
 };
 use analyses::error::{Refusal, Result};
-use analyses::record::{OptimalRatioRow, StabilityRow};
-use bipenalty::penalty::StiffnessPenalty;
-use bipenalty::stability::{Axis, EngineName, Model, check_has_contact, optimal_scheme_ratio};
+use analyses::record::{OptimalRatioRow, StabilityRow, Subject};
+use bipenalty::stability::{AnyModel, Axis};
 use clap::Parser;
-use rayon::prelude::*;
 
 /// The stability limits of the schemes themselves with closed contact, and their optimal ratios.
 #[derive(Debug, Parser)]
@@ -40,83 +39,123 @@ const EXAMPLES: &str = "Examples:
 const LIMITS: [Limit; 4] =
     [Limit::Spectrum, Limit::CentralDifference, Limit::PredictorCorrector, Limit::Park];
 
+/// What was found: the rows of the figures, and the largest ratios without cost.
+type Found = (Vec<StabilityRow>, Vec<OptimalRatioRow>);
+
 /// beta_s of a contact so stiff that only the ratio limits the step.
 const STIFF: f64 = 1e6;
 
 fn main() -> ExitCode {
-    finish(run(&arguments::<Options>()))
+    narrate::<Options>()
 }
 
-fn run(options: &Options) -> Result<Verdict> {
-    let models = plan(options)?;
-    let output = Output::prepare(&options.output, "scheme-limits")?;
-    if options.output.explain {
-        Output::print_text(&models.iter().map(explain).collect::<String>())?;
-        return Ok(Verdict::Holds);
+impl Analysis for Options {
+    const NAME: &'static str = "scheme-limits";
+    /// The models of each scene, one a mass matrix.
+    type Plan = Vec<Vec<Arc<AnyModel>>>;
+    type Found = Found;
+
+    fn output(&self) -> &OutputOptions {
+        &self.output
     }
+
+    fn plan(&self) -> Result<Self::Plan> {
+        plan(self)
+    }
+
+    fn explain(&self, models: &Self::Plan) -> Result<String> {
+        Ok(models.iter().flatten().map(|model| explain(model)).collect())
+    }
+
+    fn compute(&self, models: Self::Plan, output: &Output) -> Result<(Found, usize)> {
+        compute(self, &models, output)
+    }
+
+    fn print(&self, (rows, _): &Found, output: &Output) -> Result<()> {
+        output.print(rows)
+    }
+
+    fn summarise(&self, (rows, ratios): &Found) {
+        summarise(rows, ratios);
+    }
+
+    fn verdict(&self, (rows, ratios): &Found) -> Verdict {
+        let certified = rows.iter().all(|row| row.stable_courant().is_some());
+        if certified && ratios.iter().all(|row| row.holds) { Verdict::Holds } else { Verdict::Fails }
+    }
+}
+
+/// The figures of every model, then what each ratio costs scene by scene, then the ratios that cost nothing.
+fn compute(options: &Options, models: &[Vec<Arc<AnyModel>>], output: &Output) -> Result<(Found, usize)> {
+    let theta = options.theta;
     let mut jobs = Vec::new();
-    for model in &models {
+    for model in models.iter().flatten() {
         jobs.extend(figures(model)?.into_iter().map(|job| (model, job)));
     }
-    let points = jobs.iter().map(|(_, job)| job.points() * limits(job).count()).sum();
+    jobs.iter().try_for_each(|(_, job)| job.check())?;
+    let points = jobs.iter().map(|(model, job)| job.points() * limits(job, model).count()).sum();
     let progress = Progress::new(points, "points", options.output.quiet);
     let (mut printed, mut files) = (Vec::new(), 0);
     for (model, job) in &jobs {
-        let rows = solve(job, model, options.theta, &progress)?;
+        let rows = solve(job, model, theta, &progress)?;
         files += output.write_rows(&job.stem, &rows.concat())?.len();
         if output.wants_figures() {
-            files += draw(job, model, &rows, options.theta, &output)?;
+            files += draw(job, model, &rows, theta, output)?;
         }
         printed.extend(rows.concat());
     }
-    for models in models.chunks(options.scene.mass.0.len()) {
-        files += costs(models, options.theta, &output, &progress)?;
+    for models in models {
+        files += costs(models, theta, output, &progress)?;
     }
     drop(progress);
-    let ratios = optimal_ratios(&models, options.theta, &output, &mut files)?;
-    output.print(&printed)?;
-    if !options.output.quiet {
-        summarise(&printed, &ratios);
-        output.report(files);
-    }
-    let certified = printed.iter().all(|row| row.stable_courant().is_some());
-    let holds = certified && ratios.iter().all(|row| row.holds);
-    Ok(if holds { Verdict::Holds } else { Verdict::Fails })
+    let ratios = optimal_ratios(models, theta, output, &mut files)?;
+    Ok(((printed, ratios), files))
 }
 
 /// The bar of 100 elements on a wall unless told otherwise, with every mass matrix.
-fn plan(options: &Options) -> Result<Vec<Model>> {
+fn plan(options: &Options) -> Result<Vec<Vec<Arc<AnyModel>>>> {
     let mut asked = options.scene.clone();
     if asked.scenes.is_empty() {
         asked.scenes = vec!["signorini".to_owned()];
     }
-    let models: Vec<Model> = asked.scenes()?.iter().flat_map(|scene| asked.models(scene)).collect();
-    models.iter().try_for_each(check_has_contact)?;
-    for limit in LIMITS {
-        models.iter().try_for_each(|model| settings(limit, options.theta).check(model))?;
+    let models = asked.scenes()?.iter().map(|scene| asked.models(scene)).collect::<Result<Vec<_>>>()?;
+    for model in models.iter().flatten() {
+        check_touches(model)?;
+        LIMITS
+            .iter()
+            .filter(|limit| serves(model, **limit))
+            .try_for_each(|limit| settings(*limit, options.theta).check(model))?;
     }
-    check_stems(&options.output, models.iter().map(|model| stem("fig3", model)))?;
+    check_stems(&options.output, models.iter().flatten().map(|model| stem("fig3", model)))?;
     Ok(models)
 }
 
-fn explain(model: &Model) -> String {
-    let (scene, mass) = (model.scene().name(), model.mass().name());
+fn explain(model: &AnyModel) -> String {
+    let mass = model.mass().map_or(String::new(), |mass| format!(", {} mass", mass.name()));
     format!(
-        "{scene}, {mass} mass: four limits as curves and maps, largest ratio without cost; left out: eigenvectors\n"
+        "{}{mass}: {} limits as curves and maps, largest ratio without cost; left out: eigenvectors\n",
+        model.name(),
+        LIMITS.iter().filter(|limit| serves(model, **limit)).count()
     )
 }
 
-fn stem(kind: &str, model: &Model) -> String {
-    format!("{kind}-{}-{}", model.scene().name(), model.mass().name())
+/// Whether the limit is derived for the model: Park's is for bars.
+fn serves(model: &AnyModel, limit: Limit) -> bool {
+    matches!(model, AnyModel::Bars(_)) || limit != Limit::Park
+}
+
+fn stem(kind: &str, model: &AnyModel) -> String {
+    let mass = model.mass().map_or(String::new(), |mass| format!("-{}", mass.name()));
+    format!("{kind}-{}{mass}", model.name())
 }
 
 fn settings(limit: Limit, theta: f64) -> LimitOptions {
     let theta = (limit == Limit::Park).then_some(theta);
-    LimitOptions { limit, theta, engine: EngineName::Auto }
+    LimitOptions { theta, ..LimitOptions::of(limit) }
 }
 
 /// Fig. 3 and the map of one model.
-fn figures(model: &Model) -> Result<Vec<Job>> {
+fn figures(model: &Arc<AnyModel>) -> Result<Vec<Job>> {
     let ratios = Axis::list([0.25, 1.0, 2.0, 3.0, f64::INFINITY]);
     let curves = Job::new(stem("fig3", model), vec![model.clone()], Axis::linear(0.0, 10.0, 401)?, ratios)?;
     let (beta_s, ratio) = (Axis::log(1e-2, 1e6, 161)?, Axis::log(0.05, 1e2, 97)?);
@@ -124,54 +163,48 @@ fn figures(model: &Model) -> Result<Vec<Job>> {
 }
 
 /// The rows of the limits, one panel each.
-fn solve(job: &Job, model: &Model, theta: f64, progress: &Progress) -> Result<Vec<Vec<StabilityRow>>> {
+fn solve(job: &Job, model: &AnyModel, theta: f64, progress: &Progress) -> Result<Vec<Vec<StabilityRow>>> {
     let panel = |limit: Limit| {
-        let solved: Vec<Solved> = job.solve(&settings(limit, theta), progress)?;
-        let of = |s: &Solved| StabilityRow::of(model, limit.name(), &s.curves);
-        Ok(solved.iter().flat_map(of).collect())
+        let (solved, subject) = (job.solve(&settings(limit, theta), progress)?, Subject::of(model)?);
+        Ok(solved.iter().flat_map(|s| StabilityRow::of(&subject, limit.name(), &s.curves)).collect())
     };
-    limits(job).map(panel).collect()
+    limits(job, model).map(panel).collect()
 }
 
-/// The limits of a figure: a map shows the two that are not the spectrum's.
-fn limits(job: &Job) -> impl Iterator<Item = Limit> {
-    let map = is_map(job);
-    LIMITS.into_iter().filter(move |limit| !map || limit.scheme().is_some())
+/// The limits of a figure: a map shows those that are not the spectrum's.
+fn limits<'a>(job: &Job, model: &'a AnyModel) -> impl Iterator<Item = Limit> + use<'a> {
+    let map = job.chart == Chart::Map;
+    LIMITS.into_iter().filter(move |limit| serves(model, *limit) && (!map || limit.scheme().is_some()))
 }
 
-fn is_map(job: &Job) -> bool {
-    job.chart == analyses::cli::Chart::Map
-}
-
-fn draw(job: &Job, model: &Model, rows: &[Vec<StabilityRow>], theta: f64, output: &Output) -> Result<usize> {
-    let figure = if is_map(job) {
-        let range = |axis: &Axis| (axis.values[0], axis.values[axis.values.len() - 1]);
-        let (beta_s, ratio) = (range(&job.beta_s), range(&job.ratio));
-        let pencil = model.pencil();
-        let mut lines = Vec::new();
-        for (scheme, rows) in LIMITS.into_iter().filter_map(Limit::scheme).zip(rows) {
-            let limit = model.limit(&*scheme.with_theta(theta)?, &pencil)?;
-            lines.push(scheme_lines(model, &*limit, rows, beta_s, ratio));
-        }
-        charts::titled_by_limit(charts::map(rows, &lines), rows)
+fn draw(
+    job: &Job,
+    model: &AnyModel,
+    rows: &[Vec<StabilityRow>],
+    theta: f64,
+    output: &Output,
+) -> Result<usize> {
+    let figure = if job.chart == Chart::Map {
+        let panels = limits(job, model).zip(rows);
+        let lines = panels.map(|(limit, rows)| job.lines_of(model, rows, &settings(limit, theta)));
+        charts::map(rows, &lines.collect::<Result<Vec<_>, Refusal>>()?)
     } else {
-        charts::titled_by_limit(charts::curves(&format!("{}.csv", job.stem), rows, false), rows)
+        charts::curves(&format!("{}.csv", job.stem), rows, false)
     };
-    Ok(output.write_figure(&job.stem, &figure)?.len())
+    Ok(output.write_figure(&job.stem, &charts::titled_by_limit(figure, rows))?.len())
 }
 
 /// The step that each ratio costs under a stiff contact, for the mass matrices of one scene and every limit but the
 /// spectrum's.
-fn costs(models: &[Model], theta: f64, output: &Output, progress: &Progress) -> Result<usize> {
+fn costs(models: &[Arc<AnyModel>], theta: f64, output: &Output, progress: &Progress) -> Result<usize> {
     let mut rows = Vec::new();
     for model in models {
-        let stem = format!("cost-{}-{}", model.scene().name(), model.mass().name());
         let (beta_s, ratio) = (Axis::list([0.0, STIFF]), Axis::log(1e-2, 1e2, 121)?);
-        let job = Job::new(stem, vec![model.clone()], beta_s, ratio)?;
+        let job = Job::new(stem("cost", model), vec![model.clone()], beta_s, ratio)?;
         rows.push(solve(&job, model, theta, progress)?.split_off(1));
     }
     let Some(first) = models.first() else { return Ok(0) };
-    let stem = format!("cost-{}", first.scene().name());
+    let stem = format!("cost-{}", first.name());
     let mut files =
         output.write_rows(&stem, &rows.iter().flatten().flatten().cloned().collect::<Vec<_>>())?.len();
     if output.wants_figures() {
@@ -182,14 +215,18 @@ fn costs(models: &[Model], theta: f64, output: &Output, progress: &Progress) -> 
 
 /// The largest ratio without cost to each scheme over beta_s.
 fn optimal_ratios(
-    models: &[Model],
+    models: &[Vec<Arc<AnyModel>>],
     theta: f64,
     output: &Output,
     files: &mut usize,
 ) -> Result<Vec<OptimalRatioRow>> {
     let mut found = Vec::new();
     for scheme in [Limit::PredictorCorrector, Limit::Park] {
-        let rows = models.iter().map(|model| ratios_of(model, scheme, theta)).collect::<Result<Vec<_>>>()?;
+        let served = models.iter().flatten().filter(|model| serves(model, scheme));
+        let rows = served.map(|model| ratios_of(model, scheme, theta)).collect::<Result<Vec<_>>>()?;
+        if rows.is_empty() {
+            continue;
+        }
         let stem = format!("optimal-ratio-{}", scheme.name());
         *files += output.write_rows(&stem, &rows.concat())?.len();
         // Where every ratio costs a step, as with the Park scheme, there is nothing to draw.
@@ -203,18 +240,14 @@ fn optimal_ratios(
     Ok(found)
 }
 
-fn ratios_of(model: &Model, limit: Limit, theta: f64) -> Result<Vec<OptimalRatioRow>> {
-    let Some(scheme) = limit.scheme() else { return Ok(Vec::new()) };
-    let pencil = model.pencil();
-    let found = model.limit(&*scheme.with_theta(theta)?, &pencil)?;
-    let row = |beta_s: &f64| {
-        let beta_s = StiffnessPenalty::new(*beta_s)?;
-        let refused = |e| Refusal::new(model.scene().name(), e, "scenes whose limit can be certified");
-        let ratio = optimal_scheme_ratio(model, &*found, beta_s).map_err(refused)?;
-        let expected = found.expected_ratio(beta_s.get());
-        Ok(OptimalRatioRow::new(model, limit.name(), beta_s.get(), ratio, expected))
+fn ratios_of(model: &AnyModel, limit: Limit, theta: f64) -> Result<Vec<OptimalRatioRow>> {
+    let (asking, subject) = (settings(limit, theta).asking()?, Subject::of(model)?);
+    let beta_s = Axis::log(1e-1, 1e6, 141)?.values;
+    let found = model.optimal_ratios(&beta_s, &asking, &|_| ())?;
+    let row = |(beta_s, (found, expected)): (&f64, _)| {
+        OptimalRatioRow::new(&subject, limit.name(), *beta_s, found, expected)
     };
-    Axis::log(1e-1, 1e6, 141)?.values.par_iter().map(row).collect()
+    Ok(beta_s.iter().zip(found).map(row).collect())
 }
 
 /// One line a model and limit: what r = 1 costs at its worst, and the ratio that costs nothing.

@@ -4,22 +4,22 @@
 //! stiffness penalty beta_s and the ratio r, with an enclosure, and 2/omega_max is drawn as the critical Courant
 //! number. Without a scene: the charts of the paper, the same for long bars, and maps over 15 decades of beta_s.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use analyses::charts;
 use analyses::cli::{
-    Chart, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress, RatioSpec, SceneOptions, Solved,
-    Verdict, arguments, check_stems, finish, paper, point_answers, print_summaries, redraw_stability,
-    scheme_lines,
+    Analysis, Chart, FEW_POINTS, Format, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress,
+    RatioSpec, SceneOptions, Solved, Verdict, check_stems, governing_answer, hold_step, narrate, paper,
+    point_answers, print_summaries, redraw_stability, step_and_cost,
 };
 use analyses::error::{Refusal, Result};
-use analyses::record::StabilityRow;
+use analyses::record::{StabilityRow, StepRow, Subject};
 use bipenalty::scene::built_in;
-use bipenalty::stability::{Axis, contour};
+use bipenalty::stability::{AnyModel, Axis, LimitOf, eigenvalue};
 use clap::{Parser, ValueHint};
 
-/// Critical time steps of bars in contact: C_r over the stiffness penalty and the ratio, certified.
+/// Critical time steps of bodies in contact: C_r over the stiffness penalty and the ratio, certified.
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXAMPLES)]
 struct Options {
@@ -34,94 +34,188 @@ struct Options {
     /// dt over the contact-free critical step, for --ratio plastic [default: 0.5]
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     relative_courant: Option<f64>,
+    /// Hold the time step DT, s, against the limit: the margin at each beta_s and r, and the largest penalties it stands
+    #[arg(long, value_name = "DT", allow_negative_numbers = true)]
+    time_step: Option<f64>,
     #[command(flatten)]
     limit: LimitOptions,
     /// Draw the records of a CSV file, written by an earlier run, again without computing
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
-        "elements", "mass", "penalty_mass", "beta_s", "ratio", "relative_courant", "limit", "theta", "engine"])]
+        "elements", "mass", "penalty_mass", "beta_s", "ratio", "relative_courant", "time_step", "limit", "theta", "parameter", "damping_mass",
+        "damping_stiffness", "damping_contact", "engine", "tolerance", "patch"])]
     from: Option<PathBuf>,
     #[command(flatten)]
     output: OutputOptions,
 }
 
-/// Up to this many points are answered in words.
-const FEW_POINTS: usize = 8;
-
 const EXAMPLES: &str = "Examples:
   stability-map                                     the charts of the paper and maps beyond it
   stability-map my-bars.toml --beta-s 10 --ratio 1  the linear limit of closed contact of my bars
+  stability-map my-bars.toml --time-step 1e-7 --beta-s 1e4   is my step within the limit, what does it stand?
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
+  stability-map signorini --limit noh-bathe --parameter 0.54 --beta-s 10 --ratio 1   another scheme, and its cost
+  stability-map signorini --damping-stiffness 1e-4 --beta-s 10 --ratio 1   with damping half a step behind
+  stability-map two-blocks.toml --beta-s log:1e-3:1e9:100 --ratio log:0.1:1e3:100   the map of a mesh
   stability-map hunek --limit predictor-corrector --beta-s 1e6 --ratio plastic
   stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv
+  stability-map two-blocks.toml --beta-s 10 --ratio inf --format vtu   who governs the step, and its mode
   stability-map --from figures/stability-map/fig3-1-lumped.csv --width single --format pdf,tex";
 
-fn main() -> ExitCode {
-    finish(run(&arguments::<Options>()))
+/// Records to draw again, maps to compute, or a step (s) to hold against their limits.
+enum Plan {
+    Redraw(PathBuf),
+    Jobs(Vec<Job>),
+    Step(Vec<Job>, f64),
 }
 
-fn run(options: &Options) -> Result<Verdict> {
-    if let Some(file) = &options.from {
-        return redraw(file, options);
+/// What was found: rows for standard output, and what is said of them.
+#[derive(Default)]
+struct Found {
+    rows: Vec<StabilityRow>,
+    summaries: Vec<MapSummary>,
+    steps: Vec<StepRow>,
+    answers: Vec<String>,
+}
+
+fn main() -> ExitCode {
+    narrate::<Options>()
+}
+
+impl Analysis for Options {
+    const NAME: &'static str = "stability-map";
+    type Plan = Plan;
+    type Found = Found;
+
+    fn output(&self) -> &OutputOptions {
+        &self.output
     }
-    let jobs = plan(options)?;
-    let output = Output::prepare(&options.output, "stability-map")?;
-    if options.output.explain {
-        let plan: String = jobs.iter().map(|job| job.explain(&options.limit)).collect();
-        Output::print_text(&plan)?;
-        return Ok(Verdict::Holds);
+
+    fn plan(&self) -> Result<Plan> {
+        match &self.from {
+            Some(file) => Ok(Plan::Redraw(file.clone())),
+            None => {
+                let jobs = plan(self)?;
+                Ok(match self.time_step {
+                    Some(time_step) => Plan::Step(jobs, time_step),
+                    None => Plan::Jobs(jobs),
+                })
+            }
+        }
     }
-    jobs.iter().try_for_each(Job::require_memory)?;
-    let (mut summaries, mut answers, mut printed, mut files) = (Vec::new(), Vec::new(), Vec::new(), 0);
+
+    fn explain(&self, plan: &Plan) -> Result<String> {
+        match plan {
+            Plan::Redraw(file) => {
+                Ok(format!("{}: drawn again; left out: every computation\n", file.display()))
+            }
+            Plan::Jobs(jobs) | Plan::Step(jobs, _) => {
+                Ok(jobs.iter().map(|job| job.explain(&self.limit)).collect::<Result<_, _>>()?)
+            }
+        }
+    }
+
+    fn compute(&self, plan: Plan, output: &Output) -> Result<(Found, usize)> {
+        match plan {
+            Plan::Redraw(file) => {
+                let (rows, files) = redraw_stability(&file, output)?;
+                Ok((Found { rows, ..Found::default() }, files))
+            }
+            Plan::Jobs(jobs) => compute(self, &jobs, output),
+            Plan::Step(jobs, time_step) => {
+                let held = hold_step(&jobs, &self.limit, time_step, output, self.output.quiet)?;
+                Ok((Found { steps: held.rows, answers: held.answers, ..Found::default() }, held.files))
+            }
+        }
+    }
+
+    fn print(&self, found: &Found, output: &Output) -> Result<()> {
+        if self.time_step.is_some() { output.print(&found.steps) } else { output.print(&found.rows) }
+    }
+
+    fn summarise(&self, found: &Found) {
+        found.answers.iter().for_each(|answer| eprintln!("{answer}"));
+        if !found.summaries.is_empty() {
+            print_summaries(&found.summaries);
+        }
+    }
+
+    fn verdict(&self, found: &Found) -> Verdict {
+        let within = found.steps.iter().all(|row| row.within == Some(true));
+        if within && found.summaries.iter().all(|summary| summary.holds) {
+            Verdict::Holds
+        } else {
+            Verdict::Fails
+        }
+    }
+}
+
+fn compute(options: &Options, jobs: &[Job], output: &Output) -> Result<(Found, usize)> {
+    jobs.iter().try_for_each(Job::check)?;
+    let (mut found, mut files) = (Found::default(), 0);
+    if let LimitOf::Explicit(scheme) = options.limit.asking()?.limit {
+        found.answers.push(step_and_cost(&*scheme));
+    }
     let progress = Progress::new(jobs.iter().map(Job::points).sum(), "points", options.output.quiet);
-    for job in &jobs {
+    for job in jobs {
         let solved = job.solve(&options.limit, &progress)?;
-        let rows = |s: &Solved| StabilityRow::of(&s.model, options.limit.limit.name(), &s.curves);
-        let rows: Vec<Vec<StabilityRow>> = solved.iter().map(rows).collect();
+        let name = options.limit.name()?;
+        let rows = |s: &Solved| Ok(StabilityRow::of(&Subject::of(&s.model)?, name, &s.curves));
+        let rows: Vec<Vec<StabilityRow>> = solved.iter().map(rows).collect::<Result<_, Refusal>>()?;
         files += output.write_rows(&job.stem, &rows.concat())?.len();
         if output.wants_figures() {
-            files += draw(job, &rows, &options.limit, &output)?;
+            files += draw(job, &rows, &options.limit, output)?;
         }
         if job.chart != Chart::MassFamily {
-            summaries.extend(solved.iter().map(MapSummary::of));
+            found.summaries.extend(solved.iter().map(MapSummary::of));
         }
         if job.points() <= FEW_POINTS && job.chart != Chart::MassFamily {
-            answers.extend(solved.iter().zip(&rows).flat_map(|(solved, rows)| point_answers(solved, rows)));
+            for (solved, rows) in solved.iter().zip(&rows) {
+                found.answers.extend(point_answers(solved, rows));
+                files += modes(job, solved, &options.limit, output, &mut found.answers)?;
+            }
         }
         if output.to_stdout() {
-            printed.extend(rows.concat());
+            found.rows.extend(rows.concat());
         }
     }
-    drop(progress);
-    output.print(printed)?;
-    if !options.output.quiet {
-        answers.iter().for_each(|answer| eprintln!("{answer}"));
-        print_summaries(&summaries);
-        output.report(files);
-    }
-    let holds = summaries.iter().all(|summary| summary.holds);
-    Ok(if holds { Verdict::Holds } else { Verdict::Fails })
+    Ok((found, files))
 }
 
-/// The figure of records that an earlier run has left.
-fn redraw(file: &Path, options: &Options) -> Result<Verdict> {
-    let output = Output::prepare(&options.output, "stability-map")?;
-    if options.output.explain {
-        Output::print_text(&format!("{}: drawn again; left out: every computation\n", file.display()))?;
-        return Ok(Verdict::Holds);
+/// Which contacts, bodies and elements of a mesh govern its few points; their modes as files where asked for.
+fn modes(
+    job: &Job,
+    solved: &Solved,
+    limit: &LimitOptions,
+    output: &Output,
+    answers: &mut Vec<String>,
+) -> Result<usize> {
+    if matches!(&*solved.model, AnyModel::Bars(_)) || !solved.limit.is_spectrum() {
+        return Ok(0);
     }
-    let (rows, files) = redraw_stability(file, &output)?;
-    output.print(rows)?;
-    if !options.output.quiet {
-        output.report(files);
+    let (asking, mut files) = (limit.asking()?, 0);
+    for (ratio, point) in solved.curves.iter().flat_map(|c| c.points.iter().map(move |p| (c.ratio.get(), p)))
+    {
+        let beta_s = point.stiffness_penalty.get();
+        if point.step.is_err() {
+            continue;
+        }
+        let governing = solved.model.governs(beta_s, ratio, &asking)?;
+        answers.push(governing_answer(&solved.model, beta_s, ratio, &governing));
+        let stem = format!("{}-{beta_s}-{ratio}", job.stem);
+        let mode = |out: &mut Vec<u8>| solved.model.write_mode(&governing, out, &stem);
+        files += output.write_vtu(&stem, mode)?.len();
     }
-    Ok(Verdict::Holds)
+    Ok(files)
 }
 
 /// The figures of the paper, or one figure for each scene and mass matrix that was asked for.
 fn plan(options: &Options) -> Result<Vec<Job>> {
     if let Some(c) = options.relative_courant.filter(|_| options.ratio != Some(RatioSpec::Plastic)) {
         return Err(Refusal::new("--relative-courant", c, "--ratio plastic beside it").into());
+    }
+    if let Some(time_step) = options.time_step {
+        check_step(options, time_step)?;
     }
     let scenes = options.scene.scenes()?;
     let own_axes = options.beta_s.is_some() || options.ratio.is_some() || options.scene.elements.is_some();
@@ -134,17 +228,28 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
             Some(scene) => Ok(scene?.with_elements(elements)?),
             None => Err(Refusal::new("SCENE", name, "a built-in scene").into()),
         };
-        paper(&remeshed, &options.scene.mass.0, options.scene.penalty_mass.into())?
+        paper(&remeshed, &options.scene.masses(), options.scene.penalty_mass.into())?
     } else {
         let asked = options.beta_s.clone();
         let linear = Axis::linear(0.0, 10.0, 401)?;
         let spec = options.ratio.clone();
         let mut jobs = Vec::new();
-        for model in scenes.iter().flat_map(|scene| options.scene.models(scene)) {
-            let stem = format!("{}-{}", model.scene().name(), model.mass().name());
+        let mut models = Vec::new();
+        for scene in &scenes {
+            models.extend(options.scene.models(scene)?);
+        }
+        for model in models {
+            let mut stem = match model.mass() {
+                Some(mass) => format!("{}-{}", model.name(), mass.name()),
+                None => model.name().to_owned(),
+            };
+            if options.time_step.is_some() {
+                stem += "-step";
+            }
             // Without a contact there is one limit, whatever the penalties.
-            let touches = !model.scales().is_empty();
-            let usual = if touches { linear.clone() } else { Axis::list([0.0]) };
+            let touches = model.contacts() > 0;
+            let asks_map = touches && options.time_step.is_none();
+            let usual = if asks_map { linear.clone() } else { Axis::list([0.0]) };
             let beta_s = asked.clone().unwrap_or(usual);
             jobs.push(match &spec {
                 Some(RatioSpec::Plastic) => {
@@ -161,36 +266,54 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         jobs
     };
     jobs.iter().flat_map(|job| &job.models).try_for_each(|model| options.limit.check(model))?;
+    if options.output.format.contains(&Format::Vtu) {
+        jobs.iter().try_for_each(|job| check_modes(job, &options.limit))?;
+    }
     check_stems(&options.output, jobs.iter().map(|job| job.stem.clone()))?;
     Ok(jobs)
 }
 
-/// Draws the chart of a job from its rows; contour lines come from the secular equation, not from the grid.
+/// Refuses a step that is none, and what does not go with one.
+fn check_step(options: &Options, time_step: f64) -> Result<(), Refusal> {
+    eigenvalue(time_step)?;
+    let beside = "--time-step, which";
+    if options.scene.scenes.is_empty() {
+        return Err(Refusal::new("SCENE", "none", "at least one scene with --time-step"));
+    }
+    if options.ratio == Some(RatioSpec::Plastic) {
+        return Err(Refusal::new("--ratio", format!("plastic with {beside} has its own"), "numbers, or inf"));
+    }
+    if options.output.format.contains(&Format::Vtu) {
+        return Err(Refusal::new("--format", format!("vtu with {beside} has no mode"), "csv, json"));
+    }
+    Ok(())
+}
+
+/// Refuses modes of what has none that a file could hold.
+fn check_modes(job: &Job, limit: &LimitOptions) -> Result<()> {
+    let refuse = |value: String, allowed: &str| Err(Refusal::new("--format", value, allowed).into());
+    if let Some(model) =
+        job.models.iter().find(|model| model.mass().is_none() || matches!(***model, AnyModel::Bars(_)))
+    {
+        return refuse(format!("vtu with scene {}", model.name()), "a scene of [[body]], which has a mesh");
+    }
+    if !limit.asking()?.limit.is_spectrum() {
+        return refuse(format!("vtu with --limit {}", limit.name()?), "--limit spectrum, which has a mode");
+    }
+    match job.points() {
+        n if n > FEW_POINTS => refuse(format!("vtu of {n} points"), "at most 8 points"),
+        _ => Ok(()),
+    }
+}
+
+/// Draws the chart of a job from its rows; contour lines come from the equation of a level, not from the grid.
 fn draw(job: &Job, rows: &[Vec<StabilityRow>], limit: &LimitOptions, output: &Output) -> Result<usize> {
     let file = format!("{}.csv", job.stem);
     let figure = match job.chart {
         Chart::None => return Ok(0),
         Chart::Curves => charts::curves(&file, rows, charts::is_logarithmic(&job.beta_s.values)),
         Chart::MassFamily => charts::mass_family(&file, rows),
-        Chart::Map => {
-            let range = |axis: &Axis| (axis.values[0], axis.values[axis.values.len() - 1]);
-            let (beta_s, ratio) = (range(&job.beta_s), range(&job.ratio));
-            let mut lines = Vec::new();
-            for (model, rows) in job.models.iter().zip(rows) {
-                lines.push(match limit.limit.scheme() {
-                    None => {
-                        let line = |level: f64| Ok((level, contour(model, level, beta_s, ratio)?));
-                        charts::levels(rows).into_iter().map(line).collect::<Result<Vec<_>>>()?
-                    }
-                    Some(scheme) => {
-                        let pencil = model.pencil();
-                        let limit = model.limit(&*scheme.with_theta(limit.theta())?, &pencil)?;
-                        scheme_lines(model, &*limit, rows, beta_s, ratio)
-                    }
-                });
-            }
-            charts::map(rows, &lines)
-        }
+        Chart::Map => charts::map(rows, &job.contour_lines(rows, limit)?),
     };
     Ok(output.write_figure(&job.stem, &figure)?.len())
 }

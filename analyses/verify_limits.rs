@@ -12,15 +12,16 @@ use std::sync::Arc;
 
 use analyses::charts::verification;
 use analyses::cli::{
-    Contact, OpeningOptions, OpeningPlan, Output, OutputOptions, Progress, SceneOptions, Verdict, arguments,
-    check_stems, checked_grid, finish, print_reasons, print_verification, require_memory,
+    Analysis, Contact, OpeningOptions, OpeningPlan, OpeningResult, Output, OutputOptions, Progress,
+    SceneOptions, Verdict, check_stems, checked_grid, narrate, print_reasons, print_verification,
+    require_memory,
 };
 use analyses::error::{Refusal, Result};
-use analyses::record::{StabilityRow, VerifyRow};
+use analyses::record::{GIVEN, StabilityRow, Subject, VerifyRow};
 use bipenalty::scene::{Scene, load};
 use bipenalty::schemes::{Scheme, SchemeName};
-use bipenalty::stability::{Axis, Grid, Model, map};
-use bipenalty::verify::{Point, Predictor, Search, check, confirm};
+use bipenalty::stability::{AnyModel, AnyScene, Asking, Axis, Grid, LimitOf, Model};
+use bipenalty::verify::{Point, Prediction, Search, check_any, confirm_any, points_of, predict_any};
 use clap::Parser;
 use rayon::prelude::*;
 
@@ -73,57 +74,85 @@ const EXAMPLES: &str = "Examples:
   verify-limits signorini --scheme central-difference --mass 1 --beta-s 1,1e4 --ratio .5,1,inf
   verify-limits signorini --elements 10 --scheme park --theta 1 --beta-s 1,1e3,1e6 --ratio 1,4
   verify-limits my-bars.toml --beta-s 10 --stdout csv
+  verify-limits my-mesh.toml --beta-s 1,1e3 --ratio 1,inf --tolerance 1e-2 --stdout csv
   verify-limits --contact opening                 energy gained, and the steps to recommend
   verify-limits signorini --contact opening --mass 1 --beta-s 1e4 --fraction lin:.05:.95:19";
 
 /// One figure: models side by side, with one scheme.
+#[derive(Clone)]
 struct Job {
     stem: String,
-    models: Vec<Model>,
+    models: Vec<Arc<AnyModel>>,
     scheme: Arc<dyn Scheme>,
     tolerance: f64,
 }
 
-fn main() -> ExitCode {
-    finish(run(&arguments::<Options>()))
+/// What stepping has found.
+struct Found {
+    closed: Vec<Vec<VerifyRow>>,
+    opening: Option<(OpeningPlan, OpeningResult)>,
 }
 
-fn run(options: &Options) -> Result<Verdict> {
-    check_used(options)?;
-    let closed = wants(options, Contact::Closed).then(|| Study::new(options)).transpose()?;
-    let opening = wants(options, Contact::Opening).then(|| plan_opening(options)).transpose()?;
-    let output = Output::prepare(&options.output, "verify-limits")?;
-    if options.output.explain {
-        let mut text = closed.iter().flat_map(Study::explain).collect::<String>();
-        text.extend(opening.iter().map(OpeningPlan::explain));
-        Output::print_text(&text)?;
-        return Ok(Verdict::Holds);
+fn main() -> ExitCode {
+    narrate::<Options>()
+}
+
+impl Analysis for Options {
+    const NAME: &'static str = "verify-limits";
+    type Plan = (Option<Study>, Option<OpeningPlan>);
+    type Found = Found;
+
+    fn output(&self) -> &OutputOptions {
+        &self.output
     }
-    let (mut limits, mut files, mut holds) = (Vec::new(), 0, true);
-    if let Some(study) = &closed {
-        let (rows, written) = study.confirm(options, &output)?;
-        if !options.output.quiet {
-            print_verification(&rows);
+
+    fn plan(&self) -> Result<Self::Plan> {
+        check_used(self)?;
+        let closed = wants(self, Contact::Closed).then(|| Study::new(self)).transpose()?;
+        let opening = wants(self, Contact::Opening).then(|| plan_opening(self)).transpose()?;
+        Ok((closed, opening))
+    }
+
+    fn explain(&self, (closed, opening): &Self::Plan) -> Result<String> {
+        let closed = closed.iter().flat_map(Study::explain);
+        Ok(closed.chain(opening.iter().map(OpeningPlan::explain)).collect())
+    }
+
+    fn compute(&self, (study, opening): Self::Plan, output: &Output) -> Result<(Found, usize)> {
+        let (closed, mut files) =
+            study.map_or_else(|| Ok(Default::default()), |study| study.confirm(self, output))?;
+        let opening = match opening {
+            None => None,
+            Some(plan) => {
+                let progress = Progress::new(plan.len(), "runs", self.output.quiet);
+                let result = plan.measure(&progress)?;
+                drop(progress);
+                files += result.write(output)?;
+                Some((plan, result))
+            }
+        };
+        Ok((Found { closed, opening }, files))
+    }
+
+    fn print(&self, found: &Found, output: &Output) -> Result<()> {
+        let opening = found.opening.iter().flat_map(|(_, result)| &result.limits);
+        output.print(found.closed.iter().flatten().chain(opening))
+    }
+
+    fn summarise(&self, found: &Found) {
+        if wants(self, Contact::Closed) {
+            print_verification(&found.closed);
         }
-        holds &= rows.iter().flatten().all(|row| row.agrees != Some(false));
-        (limits, files) = (rows.concat(), written);
-    }
-    if let Some(plan) = &opening {
-        let progress = Progress::new(plan.len(), "runs", options.output.quiet);
-        let result = plan.measure(&progress)?;
-        drop(progress);
-        files += result.write(&output)?;
-        if !options.output.quiet {
+        if let Some((plan, result)) = &found.opening {
             result.summarise(plan);
         }
-        holds &= result.holds;
-        limits.extend(result.limits);
     }
-    output.print(&limits)?;
-    if !options.output.quiet {
-        output.report(files);
+
+    fn verdict(&self, found: &Found) -> Verdict {
+        let agree = found.closed.iter().flatten().all(|row| row.agrees != Some(false));
+        let holds = agree && found.opening.as_ref().is_none_or(|(_, result)| result.holds);
+        if holds { Verdict::Holds } else { Verdict::Fails }
     }
-    Ok(if holds { Verdict::Holds } else { Verdict::Fails })
 }
 
 fn wants(options: &Options, contact: Contact) -> bool {
@@ -154,11 +183,8 @@ fn axes(options: &Options, contact: Contact) -> Result<(Axis, Axis)> {
     Ok((beta_s, options.ratio.clone().map_or_else(|| ratio.parse(), Ok)?))
 }
 
-/// The scenes asked for, or the built-in ones called `names` with `elements`.
-fn scenes(options: &Options, names: [&str; 2], elements: Option<usize>) -> Result<Vec<Scene>> {
-    if !options.scene.scenes.is_empty() {
-        return options.scene.scenes();
-    }
+/// The built-in bars called `names` with `elements`, or as many as were asked for.
+fn usual(options: &Options, names: [&str; 2], elements: Option<usize>) -> Result<Vec<Scene>> {
     let elements = options.scene.elements.or(elements);
     let built_in = |name: &str| {
         let scene = load(name)?;
@@ -172,10 +198,11 @@ fn plan_opening(options: &Options) -> Result<OpeningPlan> {
     let (beta_s, ratio) = axes(options, Contact::Opening)?;
     let grid = checked_grid(&beta_s, &ratio)?;
     require_memory(&grid, BYTES_PER_CASE)?;
-    let models: Vec<Model> = scenes(options, ["signorini", "hunek"], None)?
-        .iter()
-        .flat_map(|scene| options.scene.models(scene))
-        .collect();
+    let scenes = match options.scene.scenes[..] {
+        [] => usual(options, ["signorini", "hunek"], None)?,
+        _ => options.scene.bars()?,
+    };
+    let models: Vec<Model> = scenes.iter().flat_map(|scene| options.scene.bar_models(scene)).collect();
     let stem = |model: &Model| format!("opening-{}-{}", model.scene().name(), model.mass().name());
     check_stems(&options.output, models.iter().map(stem))?;
     let theta = options.theta.unwrap_or(0.5);
@@ -236,70 +263,77 @@ impl Study {
     }
 
     /// The predicted curves, finer than the measured points; `None` where there is no prediction.
-    fn prediction(&self, model: &Model, job: &Job) -> Result<Option<Vec<StabilityRow>>> {
+    fn prediction(&self, model: &AnyModel, job: &Job) -> Result<Option<Vec<StabilityRow>>> {
         let ends = || self.beta_s.values.iter().copied();
         let (low, high) = (ends().fold(f64::INFINITY, f64::min), ends().fold(0.0, f64::max));
         let fine = if self.beta_s.log { Axis::log(low, high, 201)? } else { Axis::linear(low, high, 201)? };
         let grid = Grid::new(&fine, &self.ratio)?;
-        let pencil = model.pencil();
-        let Ok(predictor) = Predictor::new(model, &pencil, &*job.scheme) else { return Ok(None) };
-        let curves = map(model, &grid, predictor.limit(), &|_| ());
-        Ok(Some(StabilityRow::of(model, job.scheme.facts().name, &curves)))
+        let asking = Asking { limit: LimitOf::Scheme(job.scheme.clone()), ..Asking::default() };
+        let Ok(curves) = model.map(&grid, &asking, &|_| ()) else { return Ok(None) };
+        Ok(Some(StabilityRow::of(&Subject::of(model)?, job.scheme.facts().name, &curves)))
     }
 }
 
 /// Fig. 3 of the paper for every mass matrix, or the scenes that were asked for.
 fn plan(options: &Options, grid: &Grid) -> Result<Vec<Job>> {
-    let scenes = scenes(options, ["signorini", "symmetric"], Some(1))?;
-    let mut jobs = Vec::new();
-    for scheme in &options.scheme {
-        let usual = if *scheme == SchemeName::CentralDifference { 1e-6 } else { 1e-4 };
-        let (theta, tolerance) = (options.theta.unwrap_or(0.5), options.tolerance.unwrap_or(usual));
-        let name = scheme.name();
-        let scheme = scheme.with_theta(theta)?;
-        let search = Search::to(tolerance, &*scheme)?;
-        for (i, mass) in options.scene.mass.0.iter().enumerate() {
-            let models: Vec<Model> =
-                scenes.iter().map(|scene| options.scene.models(scene).swap_remove(i)).collect();
-            for model in &models {
-                model.check_grid(grid)?;
-                check(model, &*scheme, &search)?;
-            }
-            let names: Vec<&str> = scenes.iter().map(Scene::name).collect();
-            let stem = format!("{}-{}-{}", names.join("-"), mass.name(), name);
-            jobs.push(Job { stem, models, scheme: scheme.clone(), tolerance });
-        }
-    }
+    let scenes = match options.scene.scenes[..] {
+        [] => usual(options, ["signorini", "symmetric"], Some(1))?.into_iter().map(AnyScene::Bars).collect(),
+        _ => options.scene.scenes()?,
+    };
+    let models: Vec<_> = scenes.iter().map(|scene| options.scene.models(scene)).collect::<Result<_>>()?;
+    let jobs = options.scheme.iter().map(|scheme| jobs_of(options, *scheme, &models, grid));
+    let jobs = jobs.collect::<Result<Vec<_>>>()?.concat();
     check_stems(&options.output, scenes.iter().map(|scene| scene.name().to_owned()))?;
     check_stems(&options.output, jobs.iter().map(|job| job.stem.clone()))?;
     Ok(jobs)
 }
 
+/// One figure for each mass matrix with one scheme: the models that have it side by side.
+fn jobs_of(
+    options: &Options,
+    scheme: SchemeName,
+    models: &[Vec<Arc<AnyModel>>],
+    grid: &Grid,
+) -> Result<Vec<Job>> {
+    let usual = if scheme == SchemeName::CentralDifference { 1e-6 } else { 1e-4 };
+    let (theta, tolerance) = (options.theta.unwrap_or(0.5), options.tolerance.unwrap_or(usual));
+    let name = scheme.name();
+    let scheme: Arc<dyn Scheme> = scheme.with_theta(theta)?;
+    let search = Search::to(tolerance, &*scheme)?;
+    let job = |i: usize| {
+        let models: Vec<_> = models.iter().filter_map(|models| models.get(i)).cloned().collect();
+        for model in &models {
+            model.check_grid(grid)?;
+            check_any(model, &*scheme, &search)?;
+        }
+        let names: Vec<&str> = models.iter().map(|model| model.name()).collect();
+        let mass = models.iter().find_map(|model| model.mass()).map_or(GIVEN.to_owned(), |mass| mass.name());
+        let stem = format!("{}-{mass}-{name}", names.join("-"));
+        Ok(Job { stem, models, scheme: scheme.clone(), tolerance })
+    };
+    (0..models.iter().map(Vec::len).max().unwrap_or(0)).map(job).collect()
+}
+
 /// Steps at every point of the grid, in parallel, and compares with the prediction.
 /// What cannot be predicted is stepped all the same; why it cannot comes with the rows.
 fn measure(
-    model: &Model,
+    model: &AnyModel,
     job: &Job,
     grid: &Grid,
     progress: &Progress,
 ) -> Result<(Vec<VerifyRow>, Vec<Refusal>)> {
-    let pencil = model.pencil();
-    let predictor = Predictor::new(model, &pencil, &*job.scheme);
-    let ratios =
-        grid.ratios.iter().flat_map(|ratio| grid.stiffness_penalties.iter().map(move |b| (*ratio, *b)));
-    let points: Vec<Point> =
-        ratios.map(|(ratio, stiffness_penalty)| Point { stiffness_penalty, ratio }).collect();
-    let row = |point: &Point| -> Result<(VerifyRow, Option<Refusal>)> {
-        let predicted = predictor.as_ref().map_err(Refusal::clone).and_then(|p| p.at(*point, job.tolerance));
+    let predicted = predict_any(model, &job.scheme, grid, job.tolerance);
+    let points: Vec<(Point, Result<Prediction, Refusal>)> = points_of(grid).zip(predicted).collect();
+    let row = |(point, predicted): (Point, Result<Prediction, Refusal>)| -> Result<_> {
         let (predicted, reason) = match predicted {
             Ok(predicted) => (Some(predicted), None),
             Err(reason) => (None, Some(reason)),
         };
-        let confirmation = confirm(model, &*job.scheme, *point, job.tolerance, predicted)?;
+        let confirmation = confirm_any(model, &*job.scheme, point, job.tolerance, predicted)?;
         progress.add(1);
-        Ok((VerifyRow::new(model, &*job.scheme, *point, &confirmation), reason))
+        Ok((VerifyRow::new(model, &*job.scheme, point, &confirmation), reason))
     };
-    let found: Vec<_> = points.par_iter().map(row).collect::<Result<_>>()?;
+    let found: Vec<_> = points.into_par_iter().map(row).collect::<Result<_>>()?;
     let (rows, reasons): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     Ok((rows, reasons.into_iter().flatten().collect()))
 }

@@ -11,18 +11,17 @@ use std::time::Duration;
 
 use analyses::charts;
 use analyses::cli::{
-    Output, OutputOptions, Peers, Progress, Verdict, arguments, finish, machine, print_table,
+    Analysis, Output, OutputOptions, Peers, Progress, Verdict, machine, narrate, print_table,
     restarted_with_one_blas_thread,
 };
 use analyses::error::Result;
-use analyses::record::WorkRow;
 use bipenalty::fem::MassMatrix;
 use bipenalty::schemes::SchemeName;
 use clap::Parser;
 use figure::Figure;
 use precision::{
     Clock, EIGENPROBLEMS, ExactEigenvalues, Impactproblem, Measurement, Method, SCENES, SIZES, Status,
-    mark_front, markdown, measure_eigenvalues, measure_impacts,
+    distinct, mark_front, markdown, measure_eigenvalues, measure_impacts,
 };
 
 /// Error against run time of every engine and scheme, beside peers; exit status 1 if an engine errs more than it claims.
@@ -44,7 +43,7 @@ const EXAMPLES: &str = "Examples:
   work-precision --quick --peers none            a part of it, without scipy";
 
 /// How much is measured.
-struct Plan {
+struct Amount {
     clock: Clock,
     sizes: &'static [usize],
     elements: &'static [usize],
@@ -52,7 +51,7 @@ struct Plan {
     peers_limit: Duration,
 }
 
-const FULL: Plan = Plan {
+const FULL: Amount = Amount {
     clock: Clock::FULL,
     sizes: &SIZES,
     elements: &[25, 50, 100, 200, 400, 800],
@@ -60,7 +59,7 @@ const FULL: Plan = Plan {
     peers_limit: Duration::from_secs(90),
 };
 
-const QUICK: Plan = Plan {
+const QUICK: Amount = Amount {
     clock: Clock::QUICK,
     // Evaluated by the compiler: fewer than three sizes would not build.
     sizes: SIZES.first_chunk::<3>().unwrap(),
@@ -69,46 +68,70 @@ const QUICK: Plan = Plan {
     peers_limit: Duration::from_secs(8),
 };
 
-fn main() -> ExitCode {
-    restarted_with_one_blas_thread().unwrap_or_else(|| finish(run(&arguments::<Options>())))
+/// The impacts to step, and who else measures.
+struct Plan {
+    amount: &'static Amount,
+    impacts: Vec<Impactproblem>,
+    peers: Option<Peers>,
 }
 
-fn run(options: &Options) -> Result<Verdict> {
-    let plan = if options.quick { QUICK } else { FULL };
-    let impacts = impacts(&plan)?;
-    let peers = Peers::find(options.peers.as_deref())?;
-    let output = Output::prepare(&options.output, "work-precision")?;
-    if options.output.explain {
-        Output::print_text(&explain(&plan, impacts.len(), peers.is_some()))?;
-        return Ok(Verdict::Holds);
+fn main() -> ExitCode {
+    restarted_with_one_blas_thread().unwrap_or_else(narrate::<Options>)
+}
+
+impl Analysis for Options {
+    const NAME: &'static str = "work-precision";
+    type Plan = Plan;
+    type Found = Vec<Measurement>;
+
+    fn output(&self) -> &OutputOptions {
+        &self.output
     }
-    let quiet = options.output.quiet;
-    let mut measurements = measure(&plan, &impacts, quiet)?;
-    if let Some(peers) = peers {
-        measurements.extend(measure_peers(&peers, &plan, options)?);
-    } else if !quiet {
-        eprintln!("peers left out: python3 cannot import scipy (--peers names another Python)");
+
+    fn plan(&self) -> Result<Plan> {
+        let amount = if self.quick { &QUICK } else { &FULL };
+        Ok(Plan { amount, impacts: impacts(amount)?, peers: Peers::find(self.peers.as_deref())? })
     }
-    mark_front(&mut measurements);
-    let rows: Vec<WorkRow> = measurements.iter().map(WorkRow::new).collect();
-    let files = write(&output, &plan, &measurements, &rows)?;
-    output.print(&rows)?;
-    if !quiet {
-        summarise(&measurements);
-        output.report(files);
+
+    fn explain(&self, plan: &Plan) -> Result<String> {
+        Ok(explain(plan.amount, plan.impacts.len(), plan.peers.is_some()))
     }
-    let wrong = measurements.iter().any(|m| matches!(m.status, Status::Wrong(_)));
-    Ok(if wrong { Verdict::Fails } else { Verdict::Holds })
+
+    fn compute(&self, plan: Plan, output: &Output) -> Result<(Self::Found, usize)> {
+        let quiet = self.output.quiet;
+        let mut measurements = measure(plan.amount, &plan.impacts, quiet)?;
+        if let Some(peers) = plan.peers {
+            measurements.extend(measure_peers(&peers, plan.amount, self)?);
+        } else if !quiet {
+            eprintln!("peers left out: python3 cannot import scipy (--peers names another Python)");
+        }
+        mark_front(&mut measurements);
+        let files = write(output, plan.amount, &measurements)?;
+        Ok((measurements, files))
+    }
+
+    fn print(&self, measurements: &Vec<Measurement>, output: &Output) -> Result<()> {
+        output.print(measurements)
+    }
+
+    fn summarise(&self, measurements: &Vec<Measurement>) {
+        summarise(measurements);
+    }
+
+    fn verdict(&self, measurements: &Vec<Measurement>) -> Verdict {
+        let wrong = measurements.iter().any(|m| matches!(m.status, Status::Wrong(_)));
+        if wrong { Verdict::Fails } else { Verdict::Holds }
+    }
 }
 
 /// Scenes x masses x schemes x meshes x steps.
-fn impacts(plan: &Plan) -> Result<Vec<Impactproblem>> {
+fn impacts(amount: &Amount) -> Result<Vec<Impactproblem>> {
     let mut impacts = Vec::new();
     for scene in SCENES {
         for mass in [MassMatrix::LUMPED, MassMatrix::AVERAGED, MassMatrix::CONSISTENT] {
-            for scheme in SchemeName::ALL {
-                for courant in plan.courants {
-                    for elements in plan.elements {
+            for scheme in SchemeName::PAPER {
+                for courant in amount.courants {
+                    for elements in amount.elements {
                         impacts.push(Impactproblem::new(scene, mass, scheme, *elements, *courant)?);
                     }
                 }
@@ -119,28 +142,35 @@ fn impacts(plan: &Plan) -> Result<Vec<Impactproblem>> {
 }
 
 /// Everything that this crate can do itself.
-fn measure(plan: &Plan, impacts: &[Impactproblem], quiet: bool) -> Result<Vec<Measurement>> {
-    let eigenvalues = EIGENPROBLEMS.len() * plan.sizes.len() * Method::ALL.len();
+fn measure(amount: &Amount, impacts: &[Impactproblem], quiet: bool) -> Result<Vec<Measurement>> {
+    let eigenvalues = EIGENPROBLEMS.len() * amount.sizes.len() * Method::ALL.len();
     let progress = Progress::new(eigenvalues + 2 * impacts.len(), "runs", quiet);
     let done = || progress.add(1);
     let exact = ExactEigenvalues::built_in();
     let mut measurements = Vec::new();
     for name in EIGENPROBLEMS {
         progress.doing(name);
-        measurements.extend(measure_eigenvalues(name, plan.sizes, Method::ALL, &exact, &plan.clock, &done)?);
+        measurements.extend(measure_eigenvalues(
+            name,
+            amount.sizes,
+            Method::ALL,
+            &exact,
+            &amount.clock,
+            &done,
+        )?);
     }
     progress.doing("impacts");
-    measurements.extend(measure_impacts(impacts, &plan.clock, &done)?);
+    measurements.extend(measure_impacts(impacts, &amount.clock, &done)?);
     Ok(measurements)
 }
 
 /// scipy and numpy, by a script of their own.
-fn measure_peers(peers: &Peers, plan: &Plan, options: &Options) -> Result<Vec<Measurement>> {
+fn measure_peers(peers: &Peers, amount: &Amount, options: &Options) -> Result<Vec<Measurement>> {
     let progress = Progress::new(0, "scripts", options.output.quiet);
     progress.doing("scipy and numpy");
     let arguments: &[&str] = if options.quick { &["--quick"] } else { &[] };
     let script = include_str!("peers/work_precision.py");
-    let rows = peers.run(script, arguments, ExactEigenvalues::built_in().text(), plan.peers_limit)?;
+    let rows = peers.run(script, arguments, ExactEigenvalues::built_in().text(), amount.peers_limit)?;
     drop(progress);
     if let Some(why) = rows.broken_off {
         eprintln!("the peers were broken off: {why}; the table has the rows before that");
@@ -148,25 +178,25 @@ fn measure_peers(peers: &Peers, plan: &Plan, options: &Options) -> Result<Vec<Me
     Ok(rows.measurements)
 }
 
-fn write(output: &Output, plan: &Plan, measurements: &[Measurement], rows: &[WorkRow]) -> Result<usize> {
+fn write(output: &Output, amount: &Amount, measurements: &[Measurement]) -> Result<usize> {
     const RECORDS: &str = "work-precision";
-    let mut files = output.write_rows(RECORDS, rows)?.len();
+    let mut files = output.write_rows(RECORDS, measurements)?.len();
     files += output.write_markdown(RECORDS, &markdown(measurements, &machine()))?.len();
     if output.wants_figures() {
         let draw = |stem: &str, figure: &Figure| output.write_figure_from(RECORDS, stem, figure);
-        let size = plan.sizes.iter().copied().filter(|size| *size <= 1000).max().unwrap_or(plan.sizes[0]);
-        let figure = charts::precision::eigenvalue_errors(rows, size);
+        let size = amount.sizes.iter().copied().filter(|size| *size <= 1000).max().unwrap_or(amount.sizes[0]);
+        let figure = charts::precision::eigenvalue_errors(measurements, size);
         files += draw("eigenvalue-error", &figure)?.len();
-        files += draw("eigenvalue-time", &charts::precision::eigenvalue_times(rows))?.len();
+        files += draw("eigenvalue-time", &charts::precision::eigenvalue_times(measurements))?.len();
         for scene in SCENES {
-            let figure = charts::precision::impact_errors(rows, scene);
+            let figure = charts::precision::impact_errors(measurements, scene);
             files += draw(&format!("stepping-{scene}"), &figure)?.len();
         }
     }
     Ok(files)
 }
 
-fn explain(plan: &Plan, impacts: usize, peers: bool) -> String {
+fn explain(amount: &Amount, impacts: usize, peers: bool) -> String {
     let methods: Vec<String> = Method::ALL.iter().map(|method| method.name()).collect();
     format!(
         "eigenvalues: {} on {} with {:?} elements, against tests/data/work_precision.csv\n\
@@ -176,25 +206,18 @@ fn explain(plan: &Plan, impacts: usize, peers: bool) -> String {
          times: the smallest of at least 3 runs, one at a time; left out: runs of more than {} s, recording while timed\n",
         methods.join(", "),
         EIGENPROBLEMS.join(", "),
-        plan.sizes,
+        amount.sizes,
         SCENES.join(", "),
-        plan.elements,
-        plan.courants,
+        amount.elements,
+        amount.courants,
         if peers { "scipy and numpy, by analyses/peers/work_precision.py" } else { "none" },
-        plan.clock.limit,
+        amount.clock.limit,
     )
 }
 
 /// One line a method: how many measurements are done, on the front, not done.
 fn summarise(measurements: &[Measurement]) {
-    let mut methods: Vec<&str> = measurements.iter().map(|m| m.method.as_str()).collect();
-    let mut seen = Vec::new();
-    methods.retain(|method| {
-        !seen.contains(method) && {
-            seen.push(*method);
-            true
-        }
-    });
+    let methods = distinct(measurements.iter().map(|m| m.method.as_str()));
     let header = ["method", "measured", "on a front", "largest |error|", "failed", "timed out", "WRONG"];
     let line = |method: &&str| {
         let of: Vec<&Measurement> = measurements.iter().filter(|m| m.method == *method).collect();

@@ -9,11 +9,21 @@
 //! ```
 //! (Kolman, Kopacka, Gonzalez, Cho, Park, Math. Comput. Simulat. 189, 2021: "the paper").
 //!
-//! # A guided tour
-//! A [`scene`] says which bars there are; [`fem`] assembles it, with a mass matrix, into a [`pencil`]; [`penalty`]
-//! turns (beta_s, r) into s and m; an engine of [`spectrum`] encloses the largest eigenvalue; [`stability`] makes time
-//! steps and maps of it. [`schemes`] step in time, [`impact`] makes runs of them beside exact solutions, [`verify`] finds
-//! their limits by stepping alone.
+//! # Rooms
+//! ```text
+//! scene -> fem \
+//! matrices      }-> pencil         bars, matrices of any mesh, bodies of elements: K, M and the gaps z
+//! mesh ------- /
+//! penalty -> pencil                (beta_s, r) as two numbers, s and m
+//! pencil -> spectrum               engines that enclose the largest eigenvalue of a row of bars
+//! pencil, sparse -> convex         the same for sparse matrices, where two bounds meet
+//! spectrum, convex -> stability    time steps, maps, contours, optimal ratios
+//! pencil -> schemes                state, step, energy and limit of a scheme, a folder each
+//! schemes -> impact, verify        runs beside exact solutions; limits found by stepping alone
+//! ```
+//!
+//! [`damping`] tells what dampers of bodies and contacts leave of a step, [`schemes::explicit`] what other explicit schemes
+//! stand and cost.
 //!
 //! A pencil may come from elsewhere: matrices of any mesh, gaps as sparse columns ([`pencil::Pencil::new`]), elements of
 //! one's own ([`fem::assemble_elements`]). So may an engine ([`spectrum::Engine`]) and a scheme ([`schemes::Scheme`]);
@@ -102,6 +112,8 @@
 //! | C, C_r | `relative_courant`, `critical_courant` | 1 | dt/dt_cr, c0 dt_cr/h |
 
 pub mod convex;
+pub mod damping;
+pub mod double_double;
 pub mod error;
 pub mod fem;
 pub mod impact;

@@ -6,7 +6,9 @@
 #[macro_use]
 mod conformance;
 
-use bipenalty::schemes::{CentralDifference, Park, PredictorCorrector};
+use bipenalty::schemes::{
+    Buffered, CentralDifference, Lagrange, MoreauJean, PaoliSchatzman, Park, PredictorCorrector,
+};
 use bipenalty::spectrum::Dense;
 use bipenalty::stability::EngineName;
 
@@ -28,4 +30,9 @@ scheme_conformance! {
     predictor_corrector => PredictorCorrector;
     park => Park::USUAL;
     park_without_pullback => Park::new(0.0).unwrap();
+    buffered => Buffered;
+    lagrange => Lagrange;
+    moreau_jean => MoreauJean::USUAL;
+    moreau_jean_with_restitution => MoreauJean::new(0.5).unwrap();
+    paoli_schatzman => PaoliSchatzman::USUAL;
 }

@@ -5,6 +5,8 @@
 
 #[path = "convex/blocks.rs"]
 mod blocks;
+#[path = "common/definite.rs"]
+mod definite;
 #[path = "common/double_double.rs"]
 mod double_double;
 #[path = "convex/exact.rs"]

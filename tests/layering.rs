@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 17] = [
+const MAY_NAME: [(&str, &[&str]); 19] = [
     ("error", &[]),
     ("memory", &["error"]),
     ("interrupt", &[]),
@@ -16,21 +16,26 @@ const MAY_NAME: [(&str, &[&str]); 17] = [
     ("fem", &["error", "scene", "sparse", "pencil"]),
     ("pencil", &["error", "sparse"]),
     ("sparse", &[]),
+    ("double_double", &[]),
     ("mesh", &["error", "memory", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),
     ("convex", &["error", "interrupt", "sparse", "pencil"]),
+    ("damping", &["error", "pencil", "spectrum", "convex"]),
     ("parts", &["error", "memory", "fem", "sparse", "pencil", "mesh", "convex"]),
     ("penalty", &["error", "pencil"]),
-    ("spectrum", &["error", "sparse", "pencil"]),
+    ("spectrum", &["error", "double_double", "sparse", "pencil"]),
     (
         "stability", // of any scene, and the limits of schemes
         &[
             "error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "sparse", "mesh",
-            "matrices", "convex", "parts",
+            "matrices", "convex", "damping", "parts",
         ],
     ),
-    ("schemes", &["error", "sparse", "pencil", "spectrum"]),
-    ("impact", &["error", "memory", "scene", "fem", "pencil", "penalty", "spectrum", "schemes", "stability"]),
+    ("schemes", &["error", "double_double", "sparse", "pencil", "spectrum", "damping"]),
+    (
+        "impact",
+        &["error", "memory", "scene", "fem", "mesh", "pencil", "penalty", "spectrum", "schemes", "stability"],
+    ),
     (
         "verify",
         &[

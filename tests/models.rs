@@ -11,6 +11,8 @@ mod chance;
 mod governing;
 #[path = "models/largest.rs"]
 mod largest;
+#[path = "models/orthogonality.rs"]
+mod orthogonality;
 #[path = "models/patches.rs"]
 mod patches;
 #[path = "models/reference.rs"]

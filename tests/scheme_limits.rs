@@ -11,6 +11,8 @@ mod common;
 mod coupled;
 #[path = "scheme_limits/islands.rs"]
 mod islands;
+#[path = "scheme_limits/judge.rs"]
+mod judge;
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
@@ -375,7 +377,10 @@ fn where_the_limit_is_not_known_there_is_a_lower_bound_and_no_plastic_ratio() {
         let pencil = model.pencil();
         let limit = limit_of(&model, &pencil, SchemeName::PredictorCorrector, 0.5);
         let step = limit.enclose(&penalties(&model, 10.0, 1.0), None).unwrap();
-        assert_eq!((step.evidence, step.upper()), (Evidence::LowerBound, f64::INFINITY), "{what}");
+        assert!(
+            step.evidence == Evidence::LowerBound && step.upper() < 2.5 * step.lower(),
+            "{what}: {step:?}"
+        );
         let free = limit.enclose(&Penalty::NONE, None).unwrap();
         assert_eq!(free.evidence, Evidence::Proven, "{what}: contact-free");
         let text = ClosedLimit::new(&pencil, Box::new(model.auto())).map(|_| ()).unwrap_err().to_string();

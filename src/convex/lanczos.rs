@@ -2,8 +2,9 @@
 //!
 //! Wu, Simon, SIAM J. Matrix Anal. Appl. 22 (2000); Stewart's Krylov-Schur for symmetric matrices. The basis V is M-orthonormal, every
 //! new vector is orthogonalised against all of it, and H = V'(aK + tP)V is kept in full, so that a restart with the
-//! best Ritz vectors needs no bookkeeping. One pass of orthogonalisation is enough as long as little is cancelled: nothing proven
-//! depends on it, since every vector is judged by its own Rayleigh quotient.
+//! best Ritz vectors needs no bookkeeping. A second pass of orthogonalisation is made where the first has cancelled: without it
+//! the basis loses its orthogonality by a factor a step, and the search its vector. Nothing proven depends on it, since every
+//! vector is judged by its own Rayleigh quotient.
 
 use faer::{Mat, Side};
 
@@ -106,8 +107,9 @@ fn first_vector(operator: &Operator, start: Option<&[f64]>, closed: bool) -> Vec
 fn orthonormal(operator: &Operator, basis: &[Vec<f64>], column: &[f64], next: &mut [f64]) -> f64 {
     let removed = column.iter().map(|h| h * h).sum::<f64>().sqrt();
     let mut length = operator.normalise(next);
-    // Where most was cancelled, what is left is turned by rounding.
-    if length < 1e-2 * removed {
+    // One pass leaves the error of the basis times removed/length, step by step: where that exceeds sqrt(2), a second pass
+    // brings it back to rounding (Parlett, The Symmetric Eigenvalue Problem, 6.9: twice is enough).
+    if length < std::f64::consts::FRAC_1_SQRT_2 * removed {
         let mut image = vec![0.0; next.len()];
         operator.pencil().multiply_mass(next, &mut image);
         subtract(basis, &project(basis, &image), next);

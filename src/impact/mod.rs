@@ -9,20 +9,26 @@
 //! # Ok::<(), bipenalty::error::Error>(())
 //! ```
 
+mod advance;
 mod comparison;
+mod encounter;
 mod exact;
 mod history;
 mod mesh;
 mod needs;
+mod record;
 mod run;
 mod summary;
 
+pub use advance::Progress;
 pub use comparison::Accuracy;
+pub use encounter::{Encounter, Passage};
 pub use exact::Exact;
 pub use history::{Ending, History, Recording, StressField};
 pub use mesh::Mesh;
 pub use needs::least_every;
+pub use record::Record;
 pub(crate) use run::contact_free_step;
-pub use run::{MAX_STEPS, Progress, Run};
+pub use run::{MAX_STEPS, Run};
 pub use summary::Summary;
 pub(crate) use summary::potential_at_start;

@@ -1,8 +1,8 @@
 //! One contact-impact run: a model, penalties, a scheme and a step.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::advance::{self, Pace, Progress, advance};
 use super::comparison::Comparison;
 use super::{Ending, History, Mesh, Recording, StressField};
 use crate::error::Refusal;
@@ -15,24 +15,6 @@ use crate::stability::Model;
 
 /// More steps than this are refused: years of computing.
 pub const MAX_STEPS: f64 = 1e9;
-
-/// The stop flag is looked at, and progress told, every so many steps.
-const STEPS_BETWEEN_CHECKS: u64 = 4096;
-
-/// The velocities are looked at every so many steps.
-const STEPS_BETWEEN_LOOKS: u64 = 64;
-
-/// A velocity above the reference speed (largest initial speed, plus what the body force adds over the run) by this
-/// factor counts as blown up.
-const BLOW_UP: f64 = 1e6;
-
-/// Who wants to know how far a run is, and may stop it.
-pub struct Progress<'a> {
-    /// Set from elsewhere to stop the run; what is finished is kept.
-    pub stop: &'a AtomicBool,
-    /// Called now and then with the steps done and the steps to do.
-    pub report: &'a mut dyn FnMut(u64, u64),
-}
 
 /// A run that has passed its checks.
 #[derive(Debug, Clone)]
@@ -184,11 +166,9 @@ impl Run {
         self.critical_step
     }
 
-    /// Steps until the duration is reached or, if it is no multiple of dt, passed. The quotient carries the rounding
-    /// of dt, which must not add a step.
+    /// Steps until the duration is reached or, if it is no multiple of dt, passed.
     pub fn steps(&self) -> u64 {
-        let quotient = self.duration / self.time_step();
-        (quotient * (1.0 - 8.0 * f64::EPSILON)).ceil().max(1.0) as u64
+        advance::steps(self.duration, self.time_step())
     }
 
     /// The motion at time 0.
@@ -217,7 +197,14 @@ impl Run {
         self.check(recording)?;
         let mut motion = self.prepare(recording.energies)?;
         let mut recorder = Recorder::new(self, recording);
-        let ending = self.advance(&mut *motion, &mut recorder, progress);
+        let pace = Pace {
+            steps: self.steps(),
+            time_step: self.time_step(),
+            reference_speed: self.reference_speed(motion.state()),
+        };
+        recorder.history.first_and_last[0] = motion.energy();
+        let note = |step: u64, last: bool, motion: &mut dyn Motion| recorder.note(step, last, motion);
+        let ending = advance(&mut *motion, pace, progress, note);
         let last = motion.energy();
         let mut history = recorder.history;
         history.first_and_last[1] = last;
@@ -228,51 +215,12 @@ impl Run {
         Ok(history)
     }
 
-    fn advance(
-        &self,
-        motion: &mut dyn Motion,
-        recorder: &mut Recorder,
-        mut progress: Option<Progress>,
-    ) -> Ending {
-        let (steps, dt) = (self.steps(), self.time_step());
-        let bound = BLOW_UP * self.reference_speed(motion.state());
-        recorder.history.first_and_last[0] = motion.energy();
-        for step in 0..=steps {
-            let time = step as f64 * dt;
-            if step % STEPS_BETWEEN_LOOKS == 0 && !within(&motion.state().velocity, bound) {
-                return Ending::BlewUp { step, time };
-            }
-            if let Some(Progress { stop, report }) = &mut progress
-                && step % STEPS_BETWEEN_CHECKS == 0
-            {
-                report(step, steps);
-                if stop.load(Ordering::Relaxed) {
-                    return Ending::Stopped { step, time };
-                }
-            }
-            recorder.note(step, step == steps, motion);
-            if step < steps {
-                motion.step();
-            }
-        }
-        if within(&motion.state().velocity, bound) {
-            Ending::Finished
-        } else {
-            Ending::BlewUp { step: steps, time: steps as f64 * dt }
-        }
-    }
-
-    /// The largest initial speed plus the body force over the whole run, m/s; infinite where there is neither.
+    /// The largest initial speed plus the body force over the whole run, m/s.
     fn reference_speed(&self, state: &State) -> f64 {
         let initial = state.velocity.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
         let gravity = self.model.scene().impact().map_or(0.0, |impact| impact.gravity.abs());
-        let speed = initial + gravity * self.duration;
-        if speed > 0.0 { speed } else { f64::MAX / BLOW_UP }
+        initial + gravity * self.duration
     }
-}
-
-fn within(velocity: &[f64], bound: f64) -> bool {
-    velocity.iter().all(|v| v.abs() <= bound)
 }
 
 /// A certified critical step 2/omega_max without contacts, s, as computed: in the middle of its enclosure.

@@ -10,7 +10,7 @@ use toml::Spanned;
 
 use super::elasticity::{Material, Plane};
 use super::element::{Coordinates, Kind};
-use super::scene::{BodySource, MeshScene, MeshSource, Opponent, SurfaceName};
+use super::scene::{BodySource, MeshImpact, MeshScene, MeshSource, Opponent, SurfaceName};
 use super::structured::{Cuboid, SIDES};
 use crate::error::{Refusal, Result};
 use crate::scene::{in_file, line_of};
@@ -26,6 +26,15 @@ struct SceneText {
     contact: Vec<ContactText>,
     #[serde(default)]
     hold: Vec<HoldText>,
+    impact: Option<Spanned<ImpactText>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ImpactText {
+    duration: Spanned<f64>,
+    gaps: Option<Spanned<Vec<f64>>>,
+    gravity: Option<Spanned<Vec<f64>>>,
 }
 
 #[derive(Deserialize)]
@@ -151,6 +160,7 @@ pub(super) fn parse(text: &str, path: &str) -> Result<MeshScene> {
         name: name.clone(),
         dimension: source.dimension,
         plane,
+        impact: raw.impact.as_ref().map(|text| impact(&source, text, raw.contact.len())).transpose()?,
         contacts: contacts.collect::<Result<_, Refusal>>()?,
         holds: holds.collect::<Result<_, Refusal>>()?,
         bodies,
@@ -282,6 +292,22 @@ fn contact(
         ));
     }
     Ok((own, Opponent::Surface(other)))
+}
+
+fn impact(source: &Source, text: &Spanned<ImpactText>, contacts: usize) -> Result<MeshImpact, Refusal> {
+    let values = text.get_ref();
+    let duration =
+        source.number("impact.duration", &values.duration, "a finite number above 0 (s)", |t| t > 0.0)?;
+    let gravity =
+        source.vector("impact.gravity", values.gravity.as_ref(), "finite numbers (m/s^2)", |_| true)?;
+    let gaps = values.gaps.as_ref().map_or_else(|| vec![0.0; contacts], |gaps| gaps.get_ref().clone());
+    if let Some(given) = &values.gaps
+        && (gaps.len() != contacts || gaps.iter().any(|gap| !gap.is_finite()))
+    {
+        let allowed = format!("{contacts} finite numbers (m), one for each [[contact]]");
+        return Err(source.refuse("impact.gaps", given, format!("{gaps:?}"), &allowed));
+    }
+    Ok(MeshImpact { duration, gaps, gravity })
 }
 
 fn hold(

@@ -26,6 +26,19 @@ pub struct MeshScene {
     pub(super) bodies: Vec<BodySource>,
     pub(super) contacts: Vec<(SurfaceName, Opponent)>,
     pub(super) holds: Vec<(SurfaceName, Vec<usize>)>,
+    /// `[impact]`, if the scene has one.
+    pub impact: Option<MeshImpact>,
+}
+
+/// What time stepping needs beside the velocities of the bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshImpact {
+    /// Simulated time T, s.
+    pub duration: f64,
+    /// Distances that are added to those of the meshes, m, one for each `[[contact]]`.
+    pub gaps: Vec<f64>,
+    /// Body force per mass in x, y and z, m/s^2.
+    pub gravity: Coordinates,
 }
 
 /// A body before its mesh is made or read.
@@ -180,8 +193,11 @@ impl MeshScene {
         let (stiffness, mass) = (elements.stiffness()?, elements.mass()?);
         let body_of = body_of_unknowns(&elements);
         let mut contacts = Vec::new();
-        for (first, second) in &self.contacts {
-            contacts.extend(self.contacts_between(&elements, first, second, &stiffness, &body_of)?);
+        for (at, (first, second)) in self.contacts.iter().enumerate() {
+            let mut found = self.contacts_between(&elements, first, second, &stiffness, &body_of)?;
+            let distance = self.impact.as_ref().map_or(0.0, |impact| impact.gaps[at]);
+            found.iter_mut().for_each(|contact| contact.initial_gap -= distance);
+            contacts.extend(found);
         }
         Ok(Assembled { stiffness, mass, contacts, elements })
     }

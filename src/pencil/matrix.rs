@@ -1,5 +1,7 @@
 //! Symmetric matrices in the forms that meshes give them.
 
+use std::ops::{Div, Mul, Sub};
+
 use crate::sparse::Csr;
 
 /// A symmetric tridiagonal matrix, n x n.
@@ -57,11 +59,11 @@ impl Tridiagonal {
 /// entry, entry b beside the row before); a pivot d is followed by own - b (b/d). `None` as soon as `passes` says no to
 /// a pivot and its share b/d, which it sees before the pivot is used.
 #[inline]
-pub fn last_pivot(
-    first: f64,
-    rows: impl Iterator<Item = (f64, f64)>,
-    mut passes: impl FnMut(f64, f64) -> bool,
-) -> Option<f64> {
+pub fn last_pivot<T: Copy + Sub<Output = T> + Mul<Output = T> + Div<Output = T>>(
+    first: T,
+    rows: impl Iterator<Item = (T, T)>,
+    mut passes: impl FnMut(T, T) -> bool,
+) -> Option<T> {
     let mut pivot = first;
     for (own, off) in rows {
         let share = off / pivot;

@@ -153,8 +153,13 @@ impl Pencil {
 
     /// The same matrices and contacts, closed at rest: g0 = 0.
     pub fn at_rest(&self) -> Self {
+        let gaps = self.0.gaps.iter().map(|gap| Gap { initial: 0.0, ..gap.clone() }).collect();
+        self.with_gaps(gaps)
+    }
+
+    /// The same matrices with gaps that have been checked.
+    pub(crate) fn with_gaps(&self, gaps: Vec<Gap>) -> Self {
         let parts = &*self.0;
-        let gaps = parts.gaps.iter().map(|gap| Gap { initial: 0.0, ..gap.clone() }).collect();
         Self::of_elements(parts.stiffness.clone(), parts.mass.clone(), gaps, parts.bounds, parts.reference)
     }
 

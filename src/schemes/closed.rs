@@ -36,7 +36,9 @@ impl<'a> ClosedContacts<'a> {
         let chain = pencil.chain().filter(|_| spectrum.condensed().is_some()).ok_or_else(no_chain)?;
         let contact_free = contact_free(&*spectrum)?;
         let flexibility = Flexibility::new(chain);
-        let compliance = flexibility.of(0.0, 1.0).unwrap_or_default();
+        let compliance = flexibility.of(0.0, 1.0, usize::MAX).map_or_else(Tridiagonal::default, |g| {
+            Tridiagonal { diagonal: g.diagonal, off_diagonal: g.off_diagonal }
+        });
         Ok(Self { pencil: chain, flexibility, compliance, spectrum, contact_free })
     }
 

@@ -46,6 +46,12 @@ impl Column {
         Self::Scattered(SparseVector(entries.collect()))
     }
 
+    /// The entries of x at the nodes of z, which are taken out of x.
+    fn of_nodes(z: &SparseVector, x: &mut [f64]) -> Self {
+        let entry = |(i, _): &(u32, f64)| (*i, std::mem::take(&mut x[*i as usize]));
+        Self::Scattered(SparseVector(z.0.iter().map(entry).collect()))
+    }
+
     fn entry(&self, node: usize) -> f64 {
         match self {
             Self::Run { start, entries } => {
@@ -113,16 +119,22 @@ impl Contacts {
         let disjoint = are_disjoint(pencil);
         let neighbours = chain || (disjoint && pencil.mass().is_diagonal());
         let mut mu = if neighbours { Mat::zeros(0, 0) } else { Mat::zeros(k, k) };
+        let mut x = vec![0.0; pencil.size()];
         for (j, gap) in gaps.iter().enumerate() {
-            let mut x = vec![0.0; pencil.size()];
             gap.column.0.iter().for_each(|(node, z)| x[*node as usize] = *z);
-            inertia.solve(&mut x);
+            inertia.solve_column(&gap.column, &mut x);
             compliance.push(gap.column.dot(&x));
             beside.push(gaps.get(j + 1).filter(|_| chain).map_or(0.0, |next| next.column.dot(&x)));
             if !neighbours {
                 (0..k).for_each(|i| mu[(i, j)] = gaps[i].column.dot(&x));
             }
-            columns.push(Column::new(&x, chain));
+            match inertia.is_lumped() && !chain {
+                true => columns.push(Column::of_nodes(&gap.column, &mut x)),
+                false => {
+                    columns.push(Column::new(&x, chain));
+                    x.fill(0.0);
+                }
+            }
         }
         let coupling = match neighbours {
             true => Coupling::Neighbours { beside, upper: vec![0.0; k] },
@@ -202,6 +214,19 @@ impl Contacts {
             Coupling::Neighbours { .. } if i.abs_diff(j) > 1 => 0.0,
             Coupling::Neighbours { .. } | Coupling::Full { .. } => self.mu(i, j),
         }
+    }
+
+    /// Whether no contact moves the gap of another one: mu is diagonal.
+    pub(super) fn act_apart(&self) -> bool {
+        match &self.coupling {
+            Coupling::Neighbours { beside, .. } => beside.iter().all(|mu| *mu == 0.0),
+            Coupling::Full { mu, .. } => (0..mu.nrows()).all(|i| (0..i).all(|j| mu[(i, j)] == 0.0)),
+        }
+    }
+
+    /// a = m_j/s_j of all contacts, s^2.
+    pub(super) fn inverse_rate(&self) -> f64 {
+        self.inverse_rate
     }
 
     /// (mu x)_j.

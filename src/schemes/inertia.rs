@@ -8,6 +8,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use super::twisted::Twisted;
 use crate::error::Refusal;
 use crate::pencil::Matrix;
+use crate::sparse::SparseVector;
 
 /// r -> scale M^-1 r.
 #[derive(Debug, Clone)]
@@ -37,6 +38,21 @@ impl Inertia {
         let mass = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets);
         let factor = mass.map_err(|e| refused(format!("{e:?}")))?.sp_cholesky(Side::Lower);
         Ok(Self::Factored { factor: factor.map_err(|e| refused(format!("{e:?}")))?, scale })
+    }
+
+    /// Whether M is diagonal and not that of a row of bars.
+    pub(super) fn is_lumped(&self) -> bool {
+        matches!(self, Self::Lumped(_))
+    }
+
+    /// As [`Self::solve`] for an r that is zero beside `column`.
+    pub(super) fn solve_column(&self, column: &SparseVector, r: &mut [f64]) {
+        match self {
+            Self::Lumped(inverse) => {
+                column.0.iter().for_each(|(i, _)| r[*i as usize] *= inverse[*i as usize])
+            }
+            Self::Bars(_) | Self::Factored { .. } => self.solve(r),
+        }
     }
 
     /// r <- scale M^-1 r.

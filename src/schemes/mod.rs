@@ -15,27 +15,42 @@
 //! ```
 
 mod body;
+mod buffered;
 mod central_difference;
 mod closed;
+mod complementarity;
 mod contact;
+mod damped;
 mod energy;
+pub mod explicit;
+mod impulses;
 mod inertia;
 mod kernels;
+mod lagrange;
+mod moreau_jean;
 mod name;
 mod operator;
+mod paoli_schatzman;
 mod park;
 mod predictor_corrector;
+mod rigid;
+mod rows;
 mod state;
 mod twisted;
 
 use std::fmt::Debug;
 
 pub use body::{Body, System};
+pub use buffered::Buffered;
 pub use central_difference::CentralDifference;
 pub use contact::Contacts;
+pub use damped::{DampedBound, DampedCentralDifference, DampedPredictorCorrector, damped, damped_limit};
 pub use energy::Energy;
+pub use lagrange::Lagrange;
+pub use moreau_jean::MoreauJean;
 pub use name::SchemeName;
 pub use operator::Operator;
+pub use paoli_schatzman::PaoliSchatzman;
 pub use park::Park;
 pub use predictor_corrector::{ClosedLimit, PredictorCorrector};
 pub use state::{ContactRule, State};

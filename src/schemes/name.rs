@@ -3,7 +3,10 @@
 use std::str::FromStr;
 use std::sync::Arc;
 
-use super::{CentralDifference, Facts, Park, PredictorCorrector, Scheme};
+use super::{
+    Buffered, CentralDifference, Facts, Lagrange, MoreauJean, PaoliSchatzman, Park, PredictorCorrector,
+    Scheme,
+};
 use crate::error::Refusal;
 
 /// A scheme of this crate.
@@ -15,11 +18,30 @@ pub enum SchemeName {
     PredictorCorrector,
     /// [`Park`].
     Park,
+    /// [`Buffered`].
+    Buffered,
+    /// [`Lagrange`].
+    Lagrange,
+    /// [`MoreauJean`].
+    MoreauJean,
+    /// [`PaoliSchatzman`].
+    PaoliSchatzman,
 }
 
 impl SchemeName {
+    /// The schemes of the paper.
+    pub const PAPER: [Self; 3] = [Self::CentralDifference, Self::PredictorCorrector, Self::Park];
+
     /// Every scheme.
-    pub const ALL: [Self; 3] = [Self::CentralDifference, Self::PredictorCorrector, Self::Park];
+    pub const ALL: [Self; 7] = [
+        Self::CentralDifference,
+        Self::PredictorCorrector,
+        Self::Park,
+        Self::Buffered,
+        Self::Lagrange,
+        Self::MoreauJean,
+        Self::PaoliSchatzman,
+    ];
 
     /// The scheme with its usual parameters.
     pub fn scheme(self) -> &'static dyn Scheme {
@@ -27,6 +49,10 @@ impl SchemeName {
             Self::CentralDifference => &CentralDifference,
             Self::PredictorCorrector => &PredictorCorrector,
             Self::Park => &Park::USUAL,
+            Self::Buffered => &Buffered,
+            Self::Lagrange => &Lagrange,
+            Self::MoreauJean => &MoreauJean::USUAL,
+            Self::PaoliSchatzman => &PaoliSchatzman::USUAL,
         }
     }
 
@@ -46,9 +72,8 @@ impl SchemeName {
     /// As [`Park::new`].
     pub fn with_theta(self, theta: f64) -> Result<Arc<dyn Scheme>, Refusal> {
         Ok(match self {
-            Self::CentralDifference => Arc::new(CentralDifference),
-            Self::PredictorCorrector => Arc::new(PredictorCorrector),
             Self::Park => Arc::new(Park::new(theta)?),
+            other => other.into(),
         })
     }
 }
@@ -59,6 +84,10 @@ impl From<SchemeName> for Arc<dyn Scheme> {
             SchemeName::CentralDifference => Arc::new(CentralDifference),
             SchemeName::PredictorCorrector => Arc::new(PredictorCorrector),
             SchemeName::Park => Arc::new(Park::USUAL),
+            SchemeName::Buffered => Arc::new(Buffered),
+            SchemeName::Lagrange => Arc::new(Lagrange),
+            SchemeName::MoreauJean => Arc::new(MoreauJean::USUAL),
+            SchemeName::PaoliSchatzman => Arc::new(PaoliSchatzman::USUAL),
         }
     }
 }

@@ -7,11 +7,9 @@ use rayon::prelude::*;
 
 use super::inertia::Inertia;
 use super::kernels::{self, Instructions};
+use super::rows::{ROWS, Rows};
 use crate::error::Refusal;
 use crate::pencil::{Matrix, Pencil, Tridiagonal};
-
-/// Forces of a sparse matrix that one task takes; fixed, so that no result depends on the number of threads.
-const ROWS: usize = 4096;
 
 /// Consecutive nodes with the same row of (f - K u):
 /// left (u_{i-1} - u_i) + right (u_{i+1} - u_i) - ground u_i + load.
@@ -48,12 +46,7 @@ impl Stretch {
 #[derive(Debug, Clone)]
 enum Forces {
     Stretches(Vec<Stretch>),
-    /// Of the stiffness of a pencil; the load is empty for none.
-    Sparse {
-        pencil: Pencil,
-        factor: Vec<f64>,
-        load: Vec<f64>,
-    },
+    Sparse(Rows),
 }
 
 impl Forces {
@@ -65,16 +58,7 @@ impl Forces {
                 let k = stretches.partition_point(|stretch| stretch.nodes.end <= i);
                 stretches[k].rate(u, i)
             }
-            Self::Sparse { pencil, factor, load } => {
-                let pull: f64 = match pencil.stiffness() {
-                    Matrix::Sparse(k) => {
-                        let (columns, values) = k.row(i);
-                        columns.iter().zip(values).map(|(j, k)| k * u[*j as usize]).sum()
-                    }
-                    other => other.row(i).map(|(j, k)| k * u[j]).sum(),
-                };
-                factor[i] * (load.get(i).copied().unwrap_or(0.0) - pull)
-            }
+            Self::Sparse(rows) => rows.at(u, i),
         }
     }
 }
@@ -99,11 +83,10 @@ impl Operator {
         let factor = |i: usize| if lumped { scale / pencil.mass().diagonal(i) } else { 1.0 };
         let rows = match pencil.stiffness() {
             Matrix::Chain(k) => Forces::Stretches(stretches(k, load, factor)),
-            Matrix::Sparse(_) | Matrix::Diagonal(_) => Forces::Sparse {
-                factor: (0..pencil.size()).map(factor).collect(),
-                load: load.to_vec(),
-                pencil: pencil.clone(),
-            },
+            Matrix::Sparse(_) | Matrix::Diagonal(_) => {
+                let factor = (0..pencil.size()).map(factor).collect();
+                Forces::Sparse(Rows::new(pencil, factor, load.to_vec()))
+            }
         };
         Ok(Self { rows, inertia, instructions: Instructions::detect() })
     }
@@ -127,9 +110,9 @@ impl Operator {
                     }
                 }
             }
-            rows @ Forces::Sparse { .. } => {
-                rate.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, rate)| {
-                    rate.iter_mut().enumerate().for_each(|(i, rate)| *rate = rows.at(u, chunk * ROWS + i));
+            Forces::Sparse(rows) => {
+                rate.par_chunks_mut(ROWS).enumerate().for_each(|(task, rate)| {
+                    rows.each(u, task, |first, forces| rate[first..][..forces.len()].copy_from_slice(forces));
                 });
             }
         }
@@ -163,14 +146,18 @@ impl Operator {
                     }
                 }
             }
-            rows @ Forces::Sparse { .. } => {
+            Forces::Sparse(rows) => {
                 let pieces = velocity.par_chunks_mut(ROWS).zip(next.par_chunks_mut(ROWS));
-                pieces.enumerate().for_each(|(chunk, (velocity, next))| {
-                    for (i, (v, next)) in velocity.iter_mut().zip(next).enumerate() {
-                        let i = chunk * ROWS + i;
-                        *v += rows.at(u, i);
-                        *next = u[i] + dt * *v;
-                    }
+                pieces.enumerate().for_each(|(task, (velocity, next))| {
+                    let before = &u[task * ROWS..];
+                    rows.each(u, task, |first, forces| {
+                        let (before, n) = (&before[first..][..forces.len()], forces.len());
+                        let (velocity, next) = (&mut velocity[first..][..n], &mut next[first..][..n]);
+                        for i in 0..n {
+                            velocity[i] += forces[i];
+                            next[i] = before[i] + dt * velocity[i];
+                        }
+                    });
                 });
             }
         }

@@ -80,6 +80,15 @@ impl State {
         }
     }
 
+    /// Notes the contacts with a force as closed, and no other.
+    pub(super) fn close_where_pressed(&mut self) {
+        for (closed, force) in self.closed.iter_mut().zip(&self.force) {
+            let now = *force > 0.0;
+            self.switches += u64::from(now != *closed);
+            *closed = now;
+        }
+    }
+
     /// Reads the gaps from u and v: simple, where the digits that u has lost are not needed.
     pub fn read_gaps(&mut self, contacts: &Contacts) {
         for j in 0..contacts.len() {
@@ -95,6 +104,17 @@ impl State {
             contacts.set_across(j, self.gap[j] - contacts.initial(j), &mut self.displacement);
             contacts.set_across(j, self.gap_velocity[j], &mut self.velocity);
         }
+    }
+
+    /// s g^2/2 + m (Z'v)^2/2 of the closed contacts, J, with s and m by contacts and Z'v half of `gap_kick` after that of the
+    /// state: what they store where the mass penalty is an inertia.
+    pub(super) fn penalty_energy(&self, terms: &[(f64, f64)], gap_kick: &[f64]) -> f64 {
+        let stored = |j: usize| {
+            let velocity = self.gap_velocity[j] + 0.5 * gap_kick[j];
+            let (s, m) = terms[j];
+            0.5 * (s * self.gap[j] * self.gap[j] + m * velocity * velocity)
+        };
+        (0..self.gap.len()).filter(|j| self.closed[*j]).map(stored).sum()
     }
 
     /// lambda g/2 of the closed contacts, J: what they store where the mass penalty is no inertia but a reduced

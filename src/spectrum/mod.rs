@@ -18,7 +18,7 @@ mod sturm;
 pub use chain::{Chain, Segment};
 pub(crate) use dense::with_gaps_last;
 pub use dense::{Dense, MAX_DENSE_NODES};
-pub use flexibility::Flexibility;
+pub use flexibility::{Flexibility, OfGaps, reach};
 pub use root::{bisect, find_sign_change};
 pub use secular::Secular;
 pub(crate) use secular::chebyshev;

@@ -8,7 +8,7 @@ use crate::pencil::Penalty;
 pub enum Evidence {
     /// The exact limit lies in the enclosure.
     Proven,
-    /// The scheme is stable up to `lower`; its limit may lie anywhere above.
+    /// The scheme is stable up to `lower`; its limit lies between there and `upper`, which may be infinite.
     LowerBound,
     /// The exact limit lies in the enclosure except with this probability.
     Probability(f64),
@@ -29,8 +29,13 @@ impl Step {
         Self { l, evidence: Evidence::Proven }
     }
 
-    /// A step that is stable, below a limit that is not known.
+    /// A step that is stable, below a limit of which nothing else is known.
     pub fn at_least(l: Enclosure) -> Self {
+        Self::between(Enclosure { lower: 0.0, ..l })
+    }
+
+    /// A step that is stable, below a limit that does not exceed the step of `l.lower`.
+    pub fn between(l: Enclosure) -> Self {
         Self { l, evidence: Evidence::LowerBound }
     }
 
@@ -44,14 +49,9 @@ impl Step {
         2.0 / self.l.upper.sqrt() * (1.0 - 2.0 * f64::EPSILON)
     }
 
-    /// A step, s, that the limit does not exceed; infinite where only a lower bound is known.
+    /// A step, s, that the limit does not exceed; infinite where none is known.
     pub fn upper(&self) -> f64 {
-        match self.evidence {
-            Evidence::LowerBound => f64::INFINITY,
-            Evidence::Proven | Evidence::Probability(_) => {
-                2.0 / self.l.lower.sqrt() * (1.0 + 2.0 * f64::EPSILON)
-            }
-        }
+        2.0 / self.l.lower.sqrt() * (1.0 + 2.0 * f64::EPSILON)
     }
 }
 
@@ -145,10 +145,21 @@ impl StepLimit for OfSpectrum<'_> {
         self.spectrum.name()
     }
 
-    fn enclose(&self, penalty: &Penalty, _start: Option<f64>) -> Result<Step, Uncertified> {
-        let Enclosure { value, lower, upper } = self.spectrum.enclose(penalty, None)?;
+    fn enclose(&self, penalty: &Penalty, start: Option<f64>) -> Result<Step, Uncertified> {
+        self.enclose_by(penalty, start).0
+    }
+
+    fn enclose_by(
+        &self,
+        penalty: &Penalty,
+        _start: Option<f64>,
+    ) -> (Result<Step, Uncertified>, &'static str) {
+        let (found, by) = self.spectrum.enclose_by(penalty, None);
         let margin = 4.0 * f64::EPSILON;
-        let (lower, upper) = ((self.of)(lower) * (1.0 - margin), (self.of)(upper) * (1.0 + margin));
-        Ok(Step::proven(Enclosure { value: (self.of)(value), lower, upper }))
+        let step = |Enclosure { value, lower, upper }| {
+            let (lower, upper) = ((self.of)(lower) * (1.0 - margin), (self.of)(upper) * (1.0 + margin));
+            Step::proven(Enclosure { value: (self.of)(value), lower, upper })
+        };
+        (found.map(step), by)
     }
 }

@@ -13,6 +13,7 @@ mod uniform_bar;
 
 pub use any::{
     AnyModel, AnyScene, Asking, ContactShare, Governing, Largest, LimitOf, MeshModel, Plan, Prover,
+    eigenvalue, with_limit,
 };
 pub use auto::Auto;
 pub use closed_form::ClosedForm;

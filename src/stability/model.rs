@@ -87,7 +87,7 @@ pub struct CriticalStep {
     pub critical_courant: f64,
     /// Proven lower bound of C_r.
     pub lower: f64,
-    /// Proven upper bound of C_r; infinite where only a lower bound is known.
+    /// Proven upper bound of C_r; infinite where none is known.
     pub upper: f64,
     /// What stands behind it.
     pub evidence: Evidence,
@@ -286,9 +286,10 @@ pub(super) fn critical_step(rate: f64, step: Step) -> CriticalStep {
     let margin = 2.0 * f64::EPSILON;
     let Step { l, evidence } = step;
     let lower = courant(l.upper) * (1.0 - margin);
-    let (value, upper) = match evidence {
-        Evidence::LowerBound => (lower, f64::INFINITY),
-        Evidence::Proven | Evidence::Probability(_) => (courant(l.value), courant(l.lower) * (1.0 + margin)),
+    let upper = courant(l.lower) * (1.0 + margin);
+    let value = match evidence {
+        Evidence::LowerBound => lower,
+        Evidence::Proven | Evidence::Probability(_) => courant(l.value),
     };
     CriticalStep { omega_max: l.value.sqrt(), critical_courant: value, lower, upper, evidence }
 }

@@ -64,7 +64,7 @@ mod prediction;
 mod slowest;
 mod trial;
 
-pub use any::{Seconds, limit_of_any};
+pub use any::{Seconds, check_any, confirm_any, limit_of_any, points_of, predict_any};
 pub use prediction::{Confirmation, Prediction, Predictor, confirm};
 pub use trial::LATE_RISE;
 

@@ -125,10 +125,20 @@ pub fn confirm(
     let search = Search::to(tolerance, scheme)?;
     let penalty = model.penalty(point.stiffness_penalty, point.ratio);
     let trials = Trials::new(Stepped::bars(model, &penalty)?, scheme, penalty, &search)?;
-    let found = Lattice::new(&trials).limit(predicted.as_ref().map_or(1.0, |p| p.courant))?;
+    judged(&trials, predicted, 1.0, tolerance)
+}
+
+/// The limit that trials find, looked for from the prediction or from `first`, and what it says of the prediction.
+pub(super) fn judged(
+    trials: &Trials<'_>,
+    predicted: Option<Prediction>,
+    first: f64,
+    tolerance: f64,
+) -> Result<Confirmation, Refusal> {
+    let found = Lattice::new(trials).limit(predicted.as_ref().map_or(first, |p| p.courant))?;
     let mut agrees = predicted.as_ref().and_then(|predicted| found.judge(predicted, tolerance));
     for (low, high) in predicted.iter().flat_map(|predicted| &predicted.islands) {
-        if trials.run(0.5 * (low + high), search.steps)?.grows {
+        if trials.run(0.5 * (low + high), trials.search.steps)?.grows {
             agrees = Some(false);
         }
     }

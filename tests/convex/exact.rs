@@ -3,6 +3,7 @@
 use bipenalty::convex::{Asked, MeshPencil};
 use bipenalty::pencil::Matrix;
 
+use crate::definite::is_definite;
 use crate::double_double::Dd;
 
 /// Relative error of a double-double operation at most.
@@ -43,18 +44,7 @@ impl Exact {
         let n = self.mass.len();
         let (l, c) = (Dd::from(l), Dd::from(l) * Dd::from(asked.mass) - Dd::from(asked.stiffness));
         let entry = |i: usize, j: usize| l * self.mass[i][j] + c * self.penalty[i][j] - self.stiffness[i][j];
-        let mut a: Vec<Vec<Dd>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
-        for p in 0..n {
-            let pivot = a[p].clone();
-            if pivot[p].hi <= 0.0 {
-                return false;
-            }
-            for row in &mut a[p + 1..] {
-                let share = row[p] / pivot[p];
-                row.iter_mut().zip(&pivot).for_each(|(entry, above)| *entry = *entry - share * *above);
-            }
-        }
-        true
+        is_definite((0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect())
     }
 
     /// What [`Exact::above`] may be wrong by, relative to l: n^2 roundings of the largest of the terms, whose sizes in M are l,

@@ -74,7 +74,7 @@ fn the_optimal_ratio_is_where_a_step_begins_to_cost() {
         let free = model.contact_free(&spectrum).unwrap().step.unwrap();
         for beta_s in [0.5, 1e3] {
             let best = model.optimal_ratio(beta_s, &spectrum).unwrap().unwrap();
-            let expected = model.expected_ratio(beta_s, &spectrum).unwrap().unwrap();
+            let expected = model.optimal_ratios(&[beta_s], &spectrum, &|_| ()).unwrap()[0].1.unwrap();
             let place = format!("{}, {beta_s}: {best:?}, expected {expected}", model.name());
             assert!(
                 best.lower <= expected && best.lower <= best.value && best.value <= best.upper,
@@ -85,7 +85,7 @@ fn the_optimal_ratio_is_where_a_step_begins_to_cost() {
             assert!(of(best.upper * 1.001).lower < free.upper, "{place}");
         }
         let best = model.optimal_ratio(1e9, &corrector).unwrap().unwrap();
-        let quarter = model.expected_ratio(1e9, &spectrum).unwrap().unwrap() / 4.0;
+        let quarter = model.optimal_ratios(&[1e9], &spectrum, &|_| ()).unwrap()[0].1.unwrap() / 4.0;
         assert!((best.lower / quarter - 1.0).abs() < 1e-6, "{}: {best:?} {quarter}", model.name());
     }
 }

@@ -6,10 +6,10 @@
 
 use std::process::Command;
 
-use precision::{Case, Checked, Reference, References, cases};
+use precision::{Answer, Case, Checked, References, cases};
 use rayon::prelude::*;
 
-fn checked(alter: impl Fn(&Checked) -> Reference + Sync) -> Vec<(Checked, Checked)> {
+fn checked(alter: impl Fn(&Checked) -> Answer + Sync) -> Vec<(Checked, Checked)> {
     let references = References::built_in();
     let both = |case: &Case| {
         let plain = case.check(&references.of(case).unwrap());
@@ -20,11 +20,11 @@ fn checked(alter: impl Fn(&Checked) -> Reference + Sync) -> Vec<(Checked, Checke
 }
 
 /// A reference off by twice the allowed error, and a refusal that should name another quantity.
-fn perturbed(checked: &Checked) -> Reference {
+fn perturbed(checked: &Checked) -> Answer {
     match &checked.reference {
-        Reference::Value(0.0) => Reference::Value(f64::MIN_POSITIVE),
-        Reference::Value(exact) => Reference::Value(exact * (1.0 + 2.5 * checked.allowed.unwrap_or(0.0))),
-        Reference::Refused(quantity) => Reference::Refused(format!("{quantity} of another kind")),
+        Answer::Value(0.0) => Answer::Value(f64::MIN_POSITIVE),
+        Answer::Value(exact) => Answer::Value(exact * (1.0 + 2.5 * checked.allowed.unwrap_or(0.0))),
+        Answer::Refused(quantity) => Answer::Refused(format!("{quantity} of another kind")),
     }
 }
 

@@ -100,13 +100,13 @@ fn lower_bounds_are_recorded_drawn_and_read_back() {
         let csv = String::from_utf8(scratch.read("one/three-lumped.csv")).unwrap();
         for row in csv.lines().skip(1) {
             let cells: Vec<&str> = row.split(',').collect();
-            let [courant, lower, upper] = [cells[8], cells[9], cells[10]];
-            assert_eq!(
-                [courant, upper, cells[12], cells[14], cells[15]],
-                ["", "inf", "", "inf", "lower bound"]
-            );
+            assert_eq!([cells[8], cells[12], cells[15]], ["", "", "lower bound"]);
+            let number = |column: usize| cells[column].parse::<f64>().unwrap();
+            // Unstable where each contact alone would be, at 2^(1/2) of the step at least.
+            assert!(number(9) < number(10) && number(10) < 4.0 * number(9), "{row}");
+            assert!(number(14) >= number(10) && number(14) < number(10) * (1.0 + 1e-14), "{row}");
             // c0 = h = 1 in the reference bar, so that C_r is the step in seconds.
-            let [lower, seconds] = [lower, cells[13]].map(|cell| cell.parse::<f64>().unwrap());
+            let [lower, seconds] = [number(9), number(13)];
             assert!(seconds <= lower && seconds > lower * (1.0 - 1e-14), "{row}");
         }
         run(&scratch, "--from one/three-lumped.csv --format svg,csv --out two --quiet").succeeded();

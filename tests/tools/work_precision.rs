@@ -122,9 +122,9 @@ fn what_blows_up_stays_in_the_table() {
     };
     let rows = measure_impacts(&[impact(0.5), impact(1.5)], &CLOCK, &|| ()).unwrap();
     assert_eq!(rows.len(), 6);
-    assert!(rows[..3].iter().all(|m| m.status == Status::Done && m.coordinates().is_some()));
+    assert!(rows[..3].iter().all(|m| m.status == Status::Done && m.point().is_some()));
     assert!(rows[3..].iter().all(|m| matches!(&m.status, Status::Failed(why) if why.starts_with("blew up"))));
-    assert!(rows[3..].iter().all(|m| m.coordinates().is_none()));
+    assert!(rows[3..].iter().all(|m| m.point().is_none()));
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn a_run_that_would_take_too_long_is_not_made() {
     let rows = measure_eigenvalues("wall-consistent", &SIZES[..2], &[Method::Dense], &exact, &clock, &|| ())
         .unwrap();
     assert_eq!(rows[0].status, Status::Done);
-    assert!(matches!(rows[1].status, Status::TimedOut(_)) && rows[1].coordinates().is_none());
+    assert!(matches!(rows[1].status, Status::TimedOut(_)) && rows[1].point().is_none());
 }
 
 fn data(name: &str) -> PathBuf {

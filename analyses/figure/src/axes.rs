@@ -12,6 +12,8 @@ use super::ticks::{Ticks, power_of_ten};
 
 /// Colours in the colour bar, more than the eye tells apart.
 const BAR_COLOURS: u32 = 160;
+/// How far the point of a bar beyond whose range there are values reaches, mm.
+const END: f64 = 2.2;
 /// A quarter turn to the left, as vertical axis labels are read, degrees.
 const UPWARDS: f64 = -90.0;
 
@@ -19,14 +21,21 @@ const UPWARDS: f64 = -90.0;
 pub(super) fn draw_axes(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(), PlotError> {
     let (panel, frame) = (placed.panel, &placed.frame);
     let rect = frame.rect;
-    outline(canvas, rect)?;
+    outline(canvas, rect);
     bottom_axis(canvas, placed)?;
     let at = |value| frame.y_at(value);
     vertical_axis(canvas, &panel.y, &placed.y_ticks, rect, Edge::Left, at)?;
+    let mut rise = title_rise(0.0, rect.width());
     if let Some(title) = &panel.title {
-        let line = canvas.fonts().line(title, TITLE_SIZE)?;
-        let at = (rect.centre().0, rect.top - title_rise(line.width, rect.width()));
-        canvas.text(&plain(&line, at, Anchor::BOTTOM));
+        let line = canvas.fonts().line(title, placed.title_size)?;
+        rise = title_rise(line.width, rect.width());
+        canvas.text(&plain(&line, (rect.centre().0, rect.top - rise), Anchor::BOTTOM));
+    }
+    if let Some(tag) = &placed.tag {
+        // Beside the frame, where no title stands.
+        let line = canvas.fonts().line(tag, TITLE_SIZE)?;
+        let at = (rect.left - 2.0 * GAP, rect.top - rise);
+        canvas.text(&plain(&line, at, Anchor { x: 1.0, y: 1.0 }));
     }
     Ok(())
 }
@@ -46,23 +55,36 @@ pub(super) fn draw_bar(canvas: &mut Canvas, placed: &PlacedBar) -> Result<(), Pl
         let bottom = rect.bottom - share * rect.height();
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
         let middle = share + 0.5 / f64::from(BAR_COLOURS);
-        canvas.fill(&corners, colour(placed.bar.map, middle))?;
+        canvas.fill(&corners, colour(placed.bar.map, middle));
     }
-    outline(canvas, rect)?;
+    ends(canvas, placed);
+    outline(canvas, rect);
     let at = |value| rect.bottom - placed.interval.position(value) * rect.height();
     let axis = &placed.bar.axis;
     vertical_axis(canvas, axis, &placed.ticks, rect, Edge::Right, at)
+}
+
+/// Points beyond the ends of the bar, in the colours that values beyond its range take.
+fn ends(canvas: &mut Canvas, placed: &PlacedBar) {
+    let (rect, map) = (placed.rect, placed.bar.map);
+    let middle = rect.centre().0;
+    let tips = [(rect.bottom, rect.bottom + END, 0.0), (rect.top, rect.top - END, 1.0)];
+    for ((base, tip, share), _) in tips.into_iter().zip(placed.beyond).filter(|(_, beyond)| *beyond) {
+        let corners = [(rect.left, base), (middle, tip), (rect.right, base)];
+        canvas.fill(&corners, colour(map, share));
+        canvas.stroke(&corners, frame_pen());
+    }
 }
 
 fn frame_pen() -> Pen {
     Pen::solid(BLACK, FRAME_STROKE)
 }
 
-fn outline(canvas: &mut Canvas, rect: Rect) -> Result<(), PlotError> {
+fn outline(canvas: &mut Canvas, rect: Rect) {
     let Rect { left, top, right, bottom } = rect;
     // One corner more than the rectangle has, so that the first one is mitred too.
     let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top), (right, top)];
-    canvas.stroke(&corners, frame_pen())
+    canvas.stroke(&corners, frame_pen());
 }
 
 fn bottom_axis(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(), PlotError> {
@@ -71,14 +93,14 @@ fn bottom_axis(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(), PlotErro
     for value in &ticks.minor {
         let x = frame.x_at(*value);
         let tick = [(x, rect.bottom), (x, rect.bottom + MINOR_TICK)];
-        canvas.stroke(&tick, frame_pen())?;
+        canvas.stroke(&tick, frame_pen());
     }
     let below = rect.bottom + MAJOR_TICK + GAP;
     // Superscripts rise above capitals: one common baseline for all labels of the axis.
     let baseline = below + text_height(TICK_SIZE) * SCRIPT_ROOM;
     for (value, label) in &ticks.major {
         let x = frame.x_at(*value);
-        canvas.stroke(&[(x, rect.bottom), (x, rect.bottom + MAJOR_TICK)], frame_pen())?;
+        canvas.stroke(&[(x, rect.bottom), (x, rect.bottom + MAJOR_TICK)], frame_pen());
         let line = canvas.fonts().line(label, TICK_SIZE)?;
         canvas.text(&plain(&line, (x, baseline), Anchor::BOTTOM));
     }
@@ -118,13 +140,13 @@ fn vertical_axis(
     };
     for value in &ticks.minor {
         let y = at(*value);
-        canvas.stroke(&[(x, y), (x + outwards * MINOR_TICK, y)], frame_pen())?;
+        canvas.stroke(&[(x, y), (x + outwards * MINOR_TICK, y)], frame_pen());
     }
     let beside = MAJOR_TICK + GAP;
     let mut widest = 0.0_f64;
     for (value, label) in &ticks.major {
         let y = at(*value);
-        canvas.stroke(&[(x, y), (x + outwards * MAJOR_TICK, y)], frame_pen())?;
+        canvas.stroke(&[(x, y), (x + outwards * MAJOR_TICK, y)], frame_pen());
         // Digits, not their superscripts, are centred on the tick.
         let line = canvas.fonts().line(label, TICK_SIZE)?;
         let digits = canvas.fonts().line("0", TICK_SIZE)?.ascent;

@@ -1,29 +1,34 @@
-//! The page as SVG: shapes through plotters, text as glyphs of the built-in font.
+//! The page as SVG: shapes are elements of plotters, drawn on [`Marks`], text is glyphs of the built-in font.
 //!
-//! plotters writes whole numbers only, so the page is counted in hundredths of a millimetre, well
+//! plotters counts in whole numbers only, so the page is counted in hundredths of a millimetre, well
 //! below what a printer resolves; `width`, `height` and `viewBox` give it its size.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use base64::Engine as _;
-use plotters::prelude::{DrawingBackend, RGBColor, SVGBackend, ShapeStyle};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle};
+use plotters::style::{RGBColor, ShapeStyle};
 
-use super::error::PlotError;
 use super::font::{Fonts, Line, Piece};
 use super::geometry::{Point, Rect};
+use super::marks::Marks;
 use super::theme::{BLACK, Colour, HALO, PT, Shape, WHITE};
 
 /// Canvas units in a millimetre.
 const UNITS: f64 = 100.0;
 /// Family name of the built-in font; the PDF finds it by this.
 const FAMILY: &str = "DejaVu Sans";
+/// What a viewer without it may take instead.
+const FALLBACK: &str = ", Verdana, sans-serif";
 
 /// What the page is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     /// A picture that looks the same everywhere: text as glyph outlines, which need no font, cells as an image.
     Svg,
+    /// The same with text as text.
+    Letters,
     /// A drawing for the converter to PDF: text in the built-in font, which it embeds, cells as rectangles.
     Pdf,
 }
@@ -76,7 +81,7 @@ pub(super) struct Text<'a> {
 pub(super) struct Canvas<'f> {
     fonts: &'f Fonts,
     form: Form,
-    body: String,
+    marks: Marks,
     /// Glyphs used, to be defined once.
     glyphs: BTreeSet<char>,
 }
@@ -95,8 +100,10 @@ fn hex(colour: Colour) -> String {
 }
 
 impl<'f> Canvas<'f> {
-    pub(super) fn new(fonts: &'f Fonts, form: Form) -> Self {
-        Self { fonts, form, body: String::new(), glyphs: BTreeSet::new() }
+    /// An empty page of this width and height, mm.
+    pub(super) fn new(fonts: &'f Fonts, form: Form, (width, height): (f64, f64)) -> Self {
+        let size = (units(width).unsigned_abs(), units(height).unsigned_abs());
+        Self { fonts, form, marks: Marks { text: String::new(), size }, glyphs: BTreeSet::new() }
     }
 
     pub(super) fn fonts(&self) -> &'f Fonts {
@@ -107,63 +114,35 @@ impl<'f> Canvas<'f> {
         self.form
     }
 
-    /// Lets plotters draw and keeps what it wrote between its `<svg>` tags.
-    fn shape<E: std::fmt::Display>(
-        &mut self,
-        draw: impl FnOnce(&mut SVGBackend) -> Result<(), E>,
-    ) -> Result<(), PlotError> {
-        let mut fragment = String::new();
-        {
-            let mut backend = SVGBackend::with_string(&mut fragment, (1, 1));
-            draw(&mut backend).map_err(|error| PlotError::Backend(error.to_string()))?;
-            let done = backend.present();
-            done.map_err(|error| PlotError::Backend(error.to_string()))?;
-        }
-        let lines = fragment.lines();
-        for line in lines.filter(|line| !line.starts_with("<svg") && !line.starts_with("</svg")) {
-            // Opaque is the default: leave it out to keep files small.
-            self.body.push_str(&line.replacen(" opacity=\"1\"", "", 1));
-            self.body.push('\n');
-        }
-        Ok(())
-    }
-
     /// Draws a polyline.
-    pub(super) fn stroke(&mut self, line: &[Point], pen: Pen) -> Result<(), PlotError> {
+    pub(super) fn stroke(&mut self, line: &[Point], pen: Pen) {
         let dashed = !pen.dash.is_empty();
         if dashed {
             let lengths: Vec<String> = pen.dash.iter().map(|d| units(*d).to_string()).collect();
-            let _ = writeln!(self.body, "<g stroke-dasharray=\"{}\">", lengths.join(","));
+            let _ = writeln!(self.marks.text, "<g stroke-dasharray=\"{}\">", lengths.join(","));
         }
         let style = style(pen.colour, pen.width);
-        self.shape(|backend| backend.draw_path(line.iter().copied().map(spot), &style))?;
+        self.marks.draw(&PathElement::new(line.iter().copied().map(spot).collect::<Vec<_>>(), style));
         if dashed {
-            self.body.push_str("</g>\n");
+            self.marks.text.push_str("</g>\n");
         }
-        Ok(())
     }
 
     /// Fills a polygon.
-    pub(super) fn fill(&mut self, corners: &[Point], colour: Colour) -> Result<(), PlotError> {
+    pub(super) fn fill(&mut self, corners: &[Point], colour: Colour) {
         let style = style(colour, 0.0).filled();
-        self.shape(|backend| backend.fill_polygon(corners.iter().copied().map(spot), &style))
+        self.marks.draw(&Polygon::new(corners.iter().copied().map(spot).collect::<Vec<_>>(), style));
     }
 
     /// Draws a marker of radius `radius` mm.
-    pub(super) fn marker(
-        &mut self,
-        centre: Point,
-        radius: f64,
-        (shape, filled): (Shape, bool),
-        pen: Pen,
-    ) -> Result<(), PlotError> {
+    pub(super) fn marker(&mut self, centre: Point, radius: f64, (shape, filled): (Shape, bool), pen: Pen) {
         let (line, inside) =
             (style(pen.colour, pen.width), style(if filled { pen.colour } else { WHITE }, 0.0));
         match shape {
             Shape::Circle => {
                 let radius = units(radius).unsigned_abs();
-                self.shape(|b| b.draw_circle(spot(centre), radius, &inside.filled(), true))?;
-                self.shape(|b| b.draw_circle(spot(centre), radius, &line, false))
+                self.marks.draw(&Circle::new(spot(centre), radius, inside.filled()));
+                self.marks.draw(&Circle::new(spot(centre), radius, line));
             }
             Shape::Polygon { corners, turn } => {
                 // A polygon looks as large as the circle of the same area, a little inside its own.
@@ -175,22 +154,17 @@ impl<'f> Canvas<'f> {
                         (centre.0 + reach * cos, centre.1 - reach * sin)
                     })
                     .collect();
-                self.fill(&ring, if filled { pen.colour } else { WHITE })?;
+                self.fill(&ring, if filled { pen.colour } else { WHITE });
                 ring.extend_from_within(..2);
-                self.stroke(&ring, pen)
+                self.stroke(&ring, pen);
             }
         }
     }
 
     /// Fills an upright rectangle.
     pub(super) fn rect(&mut self, place: Rect, colour: Colour) {
-        let ((x, y), (right, bottom)) = (spot((place.left, place.top)), spot((place.right, place.bottom)));
-        let (width, height, fill) = (right - x, bottom - y, hex(colour));
-        // Writing to a String cannot fail, here and below.
-        let _ = writeln!(
-            self.body,
-            "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{fill}\"/>"
-        );
+        let corners = [spot((place.left, place.top)), spot((place.right, place.bottom))];
+        self.marks.draw(&Rectangle::new(corners, style(colour, 0.0).filled()));
     }
 
     /// Places a PNG image.
@@ -199,7 +173,7 @@ impl<'f> Canvas<'f> {
         let (x, y) = spot((place.left, place.top));
         let (width, height) = (units(place.width()), units(place.height()));
         let _ = writeln!(
-            self.body,
+            self.marks.text,
             "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
              preserveAspectRatio=\"none\" image-rendering=\"optimizeSpeed\" \
              xlink:href=\"data:image/png;base64,{data}\"/>"
@@ -210,12 +184,12 @@ impl<'f> Canvas<'f> {
     pub(super) fn text(&mut self, text: &Text) {
         let line = text.line;
         let (x, y) = spot(text.at);
-        let _ = write!(self.body, "<g transform=\"translate({x} {y})");
+        let _ = write!(self.marks.text, "<g transform=\"translate({x} {y})");
         if text.turn != 0.0 {
-            let _ = write!(self.body, " rotate({:.2})", text.turn);
+            let _ = write!(self.marks.text, " rotate({:.2})", text.turn);
         }
         let words: String = line.pieces.iter().map(|piece| piece.text.as_str()).collect();
-        let _ = writeln!(self.body, "\" aria-label=\"{}\">", escape(&words));
+        let _ = writeln!(self.marks.text, "\" aria-label=\"{}\">", escape(&words));
         let start = (-text.anchor.x * line.width, (1.0 - text.anchor.y) * line.ascent);
         if text.halo {
             for piece in &line.pieces {
@@ -225,43 +199,44 @@ impl<'f> Canvas<'f> {
         for piece in &line.pieces {
             match self.form {
                 Form::Svg => self.outlines(piece, start, text.colour, false),
-                Form::Pdf => self.live(piece, start, text.colour),
+                Form::Letters | Form::Pdf => self.live(piece, start, text.colour),
             }
         }
-        self.body.push_str("</g>\n");
+        self.marks.text.push_str("</g>\n");
     }
 
     fn outlines(&mut self, piece: &Piece, start: Point, colour: Colour, halo: bool) {
         let scale = piece.size * UNITS / self.fonts.units_per_em();
         let (x, y) = spot((start.0 + piece.x, start.1 + piece.y));
         let _ = write!(
-            self.body,
+            self.marks.text,
             "<g transform=\"matrix({scale:.5} 0 {:.5} {scale:.5} {x} {y})\" fill=\"{}\"",
             -piece.slant * scale,
             hex(colour)
         );
         if halo {
             let width = 2.0 * HALO * UNITS / scale;
-            let _ = write!(self.body, " stroke=\"#ffffff\" stroke-width=\"{width:.0}\"");
+            let _ = write!(self.marks.text, " stroke=\"#ffffff\" stroke-width=\"{width:.0}\"");
         }
-        self.body.push('>');
+        self.marks.text.push('>');
         let mut pen = 0.0;
         for character in piece.text.chars() {
             if !character.is_whitespace() {
                 self.glyphs.insert(character);
                 let id = glyph_id(character);
-                let _ = write!(self.body, "<use x=\"{pen}\" xlink:href=\"#{id}\"/>");
+                let _ = write!(self.marks.text, "<use x=\"{pen}\" xlink:href=\"#{id}\"/>");
             }
             pen += self.fonts.advance(character);
         }
-        self.body.push_str("</g>\n");
+        self.marks.text.push_str("</g>\n");
     }
 
     fn live(&mut self, piece: &Piece, start: Point, colour: Colour) {
         let (x, y) = spot((start.0 + piece.x, start.1 + piece.y));
+        let others = if self.form == Form::Letters { FALLBACK } else { "" };
         let _ = writeln!(
-            self.body,
-            "<text transform=\"matrix(1 0 {:.4} 1 {x} {y})\" font-family=\"{FAMILY}\" \
+            self.marks.text,
+            "<text transform=\"matrix(1 0 {:.4} 1 {x} {y})\" font-family=\"{FAMILY}{others}\" \
              font-size=\"{:.2}\" font-kerning=\"none\" fill=\"{}\" xml:space=\"preserve\">{}</text>",
             -piece.slant,
             piece.size * UNITS,
@@ -270,9 +245,9 @@ impl<'f> Canvas<'f> {
         );
     }
 
-    /// The finished SVG of a page `width` by `height` mm.
-    pub(super) fn finish(self, width: f64, height: f64) -> String {
-        let (w, h) = (units(width), units(height));
+    /// The finished SVG.
+    pub(super) fn finish(self) -> String {
+        let (w, h) = self.marks.size;
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
              width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {w} {h}\">\n<defs>\n",
@@ -291,7 +266,7 @@ impl<'f> Canvas<'f> {
              <g fill=\"{}\" stroke-linejoin=\"round\">\n{}</g>\n</svg>\n",
             hex(WHITE),
             hex(BLACK),
-            self.body
+            self.marks.text
         );
         svg
     }

@@ -8,19 +8,52 @@ use super::error::PlotError;
 use super::export::encode;
 use super::frame::{Frame, Interval};
 use super::geometry::Rect;
-use super::model::{Axis, ColourMap, Panel};
-use super::theme::{Colour, MISSING, PNG_DPI};
+use super::model::{Axis, ColourMap, Panel, Scale};
+use super::theme::{Colour, MISSING, PNG_DPI, SHADE};
+
+/// Batlow at equal distances: between them straight lines are off by less than two in 255.
+const BATLOW: [Colour; 17] = [
+    (1, 25, 89),
+    (13, 49, 93),
+    (17, 67, 96),
+    (22, 82, 98),
+    (34, 96, 97),
+    (53, 106, 89),
+    (77, 115, 77),
+    (102, 122, 63),
+    (129, 130, 50),
+    (160, 138, 43),
+    (191, 144, 53),
+    (219, 149, 76),
+    (242, 157, 108),
+    (252, 168, 145),
+    (253, 180, 180),
+    (252, 192, 214),
+    (250, 204, 250),
+];
 
 /// Colour of a share of the range; values outside take the end colours.
 pub(super) fn colour(map: ColourMap, share: f64) -> Colour {
     if share.is_nan() {
         return MISSING;
     }
-    let gradient = match map {
-        ColourMap::Viridis => colorous::VIRIDIS,
-        ColourMap::Cividis => colorous::CIVIDIS,
-    };
-    gradient.eval_continuous(share.clamp(0.0, 1.0)).as_tuple()
+    let share = share.clamp(0.0, 1.0);
+    match map {
+        ColourMap::Viridis => colorous::VIRIDIS.eval_continuous(share).as_tuple(),
+        ColourMap::Cividis => colorous::CIVIDIS.eval_continuous(share).as_tuple(),
+        ColourMap::Batlow => between(&BATLOW, share),
+        ColourMap::Grey => between(&[(0, 0, 0), (255, 255, 255)], share),
+    }
+}
+
+/// The colour at a share in [0, 1] of the way through at least two colours.
+fn between(colours: &[Colour], share: f64) -> Colour {
+    let place = share * (colours.len() - 1) as f64;
+    // In range: the share is, and the cast drops the fraction.
+    let first = (place as usize).min(colours.len() - 2);
+    let (from, to, rest) = (colours[first], colours[first + 1], place - first as f64);
+    let mix = |a: u8, b: u8| (f64::from(a) + rest * (f64::from(b) - f64::from(a))).round() as u8;
+    (mix(from.0, to.0), mix(from.1, to.1), mix(from.2, to.2))
 }
 
 /// Cells with centres `x`, `y` on a panel, coloured by where their values lie in `range`.
@@ -53,7 +86,7 @@ impl<'a> Cells<'a> {
 
     pub(super) fn draw(&self, canvas: &mut Canvas) -> Result<(), PlotError> {
         match canvas.form() {
-            Form::Svg => {
+            Form::Svg | Form::Letters => {
                 if let Some((png, place)) = self.image()? {
                     canvas.image(&png, place);
                 }
@@ -104,7 +137,11 @@ impl<'a> Cells<'a> {
     }
 
     fn colour(&self, i: usize, j: usize) -> Colour {
-        colour(self.map, self.range.position(self.values[j * (self.across.len() - 1) + i]))
+        let value = self.values[j * (self.across.len() - 1) + i];
+        if self.range.scale == Scale::Log && value <= 0.0 {
+            return SHADE;
+        }
+        colour(self.map, self.range.position(value))
     }
 }
 
@@ -206,6 +243,14 @@ mod tests {
         for (x, y) in [(2.0, 0.5), (1.0, 1.25), (2.0, 1.25), (0.75, 1.0), (1.5, 1.0), (2.5, 1.0)] {
             assert!(rectangles.iter().any(|(place, _)| place.contains(&around(x, y))), "a seam at {x}, {y}");
         }
+    }
+
+    #[test]
+    fn batlow_runs_from_its_first_to_its_last_colour() {
+        for (share, expected) in [(0.0, BATLOW[0]), (0.5, BATLOW[8]), (1.0, BATLOW[16])] {
+            assert_eq!(colour(ColourMap::Batlow, share), expected);
+        }
+        assert_eq!(colour(ColourMap::Grey, 0.5), (128, 128, 128));
     }
 
     #[test]

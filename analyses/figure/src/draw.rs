@@ -12,7 +12,7 @@ use super::model::{Figure, Layer, Naming};
 use super::names::{Name, Names, Series, is_series, label_of, place, right_end};
 use super::theme::{
     BLACK, CASING_STROKE, CURVE_STROKE, GAP, GREY, LABEL_SIZE, LEADER, MARKER, PT, SHADE, THIN_STROKE, WHITE,
-    series_colour, series_dash, series_shape,
+    series_colour, series_dash, series_shape, series_stroke,
 };
 use super::trace::{Trace, trace};
 
@@ -20,13 +20,13 @@ use super::trace::{Trace, trace};
 const RULE_DASH: &[f64] = &[0.3, 0.8];
 
 /// A panel ready to be drawn.
-pub(super) struct Scene<'a> {
+pub(super) struct ArrangedPanel<'a> {
     pub(super) placed: PlacedPanel<'a>,
     traces: Vec<Trace>,
     pub(super) names: Names,
 }
 
-impl Scene<'_> {
+impl ArrangedPanel<'_> {
     fn has_homeless_series(&self) -> bool {
         let layers = &self.placed.panel.layers;
         self.names.homeless.iter().any(|index| is_series(&layers[*index]))
@@ -35,7 +35,7 @@ impl Scene<'_> {
 
 /// A figure ready to be drawn.
 pub(super) struct Page<'a> {
-    pub(super) scenes: Vec<Scene<'a>>,
+    pub(super) panels: Vec<ArrangedPanel<'a>>,
     pub(super) bar: Option<PlacedBar<'a>>,
     pub(super) legend: Legend<'a>,
     pub(super) width: f64,
@@ -48,22 +48,23 @@ impl Figure {
     pub(super) fn draw(&self, form: Form) -> Result<String, PlotError> {
         let fonts = Fonts::new()?;
         let page = self.arrange(&fonts)?;
-        let mut canvas = Canvas::new(&fonts, form);
-        for scene in &page.scenes {
-            for (index, layer) in scene.placed.panel.layers.iter().enumerate() {
-                draw_layer(&mut canvas, scene, index, layer, page.bar.as_ref())?;
+        let height = page.height + page.legend.height();
+        let mut canvas = Canvas::new(&fonts, form, (page.width, height));
+        for arranged in &page.panels {
+            for (index, layer) in arranged.placed.panel.layers.iter().enumerate() {
+                draw_layer(&mut canvas, arranged, index, layer, page.bar.as_ref())?;
             }
-            draw_axes(&mut canvas, &scene.placed)?;
-            for name in &scene.names.placed {
-                draw_name(&mut canvas, name, &scene.placed.panel.layers)?;
+            draw_axes(&mut canvas, &arranged.placed)?;
+            for name in &arranged.names.placed {
+                draw_name(&mut canvas, name, &arranged.placed.panel.layers);
             }
         }
         if let Some(bar) = &page.bar {
             draw_bar(&mut canvas, bar)?;
         }
         let below = Rect::new(0.0, page.height, page.width, page.legend.height());
-        page.legend.draw(&mut canvas, below)?;
-        Ok(canvas.finish(page.width, page.height + page.legend.height()))
+        page.legend.draw(&mut canvas, below);
+        Ok(canvas.finish())
     }
 
     /// Finds a place for everything: names beside the lines if all fit, else a legend.
@@ -78,21 +79,21 @@ impl Figure {
                 Err(PlotError::TooNarrow { .. }) if side > 0.0 => continue,
                 other => other?,
             };
-            let scenes = scenes(layout.panels, fonts, series)?;
-            if !scenes.iter().any(Scene::has_homeless_series) {
-                return page(scenes, layout.bar, layout.width, layout.height, fonts);
+            let panels = arrange_panels(layout.panels, fonts, series)?;
+            if !panels.iter().any(ArrangedPanel::has_homeless_series) {
+                return page(self, panels, layout.bar, layout.height, fonts);
             }
         }
         let layout = layout(self, fonts, 0.0)?;
-        let mut scenes = scenes(layout.panels, fonts, Series::Listed)?;
-        for scene in &mut scenes {
-            let layers = scene.placed.panel.layers.iter().zip(&scene.traces).enumerate();
+        let mut panels = arrange_panels(layout.panels, fonts, Series::Listed)?;
+        for arranged in &mut panels {
+            let layers = arranged.placed.panel.layers.iter().zip(&arranged.traces).enumerate();
             let series = layers.filter(|(_, (layer, trace))| is_series(layer) && !trace.is_empty());
             let mut listed: Vec<usize> = series.map(|(index, _)| index).collect();
-            listed.append(&mut scene.names.homeless);
-            scene.names.homeless = listed;
+            listed.append(&mut arranged.names.homeless);
+            arranged.names.homeless = listed;
         }
-        page(scenes, layout.bar, layout.width, layout.height, fonts)
+        page(self, panels, layout.bar, layout.height, fonts)
     }
 
     /// Space right of the frames for the names of the curves that end there.
@@ -112,64 +113,66 @@ impl Figure {
     }
 }
 
-fn scenes<'a>(
+fn arrange_panels<'a>(
     panels: Vec<PlacedPanel<'a>>,
     fonts: &Fonts,
     series: Series,
-) -> Result<Vec<Scene<'a>>, PlotError> {
-    let scene = |placed: PlacedPanel<'a>| {
+) -> Result<Vec<ArrangedPanel<'a>>, PlotError> {
+    let arranged = |placed: PlacedPanel<'a>| {
         let layers = &placed.panel.layers;
         let traces = layers.iter().map(|layer| trace(layer, &placed.frame)).collect::<Result<Vec<_>, _>>()?;
         let names = place(layers, &traces, &placed.frame, fonts, series)?;
-        Ok(Scene { placed, traces, names })
+        Ok(ArrangedPanel { placed, traces, names })
     };
-    panels.into_iter().map(scene).collect()
+    panels.into_iter().map(arranged).collect()
 }
 
 /// Puts the names without a place into the legend.
 fn page<'a>(
-    scenes: Vec<Scene<'a>>,
+    figure: &'a Figure,
+    panels: Vec<ArrangedPanel<'a>>,
     bar: Option<PlacedBar<'a>>,
-    width: f64,
     height: f64,
     fonts: &Fonts,
 ) -> Result<Page<'a>, PlotError> {
-    let listed = scenes.iter().flat_map(|scene| {
-        let layers: &'a [Layer] = &scene.placed.panel.layers;
-        scene.names.homeless.iter().map(move |index| &layers[*index])
+    let listed = panels.iter().flat_map(|arranged| {
+        let layers: &'a [Layer] = &arranged.placed.panel.layers;
+        arranged.names.homeless.iter().map(move |index| &layers[*index])
     });
     // A contour in a legend would look like any other one: its colour tells its value.
     let listed = listed.filter(|layer| !matches!(layer, Layer::Contour { .. }));
-    let legend = Legend::new(listed, fonts, width)?;
-    Ok(Page { scenes, bar, legend, width, height })
+    let width = figure.width.millimetres();
+    let legend = Legend::new(listed.chain(&figure.key), fonts, width)?;
+    Ok(Page { panels, bar, legend, width, height })
 }
 
 fn draw_layer(
     canvas: &mut Canvas,
-    scene: &Scene,
+    arranged: &ArrangedPanel,
     index: usize,
     layer: &Layer,
     bar: Option<&PlacedBar>,
 ) -> Result<(), PlotError> {
-    let trace = &scene.traces[index];
+    let trace = &arranged.traces[index];
     match layer {
         Layer::Cells { x, y, values } => {
             let bar = bar.ok_or(PlotError::NoColourBar)?;
-            let place = (scene.placed.panel, &scene.placed.frame);
+            let place = (arranged.placed.panel, &arranged.placed.frame);
             return Cells::new(place, (x, y, values), (bar.bar.map, bar.interval))?.draw(canvas);
         }
         Layer::Contour { .. } => {
-            let gap = scene.names.placed.iter().find(|name| name.layer == index);
-            return draw_contour(canvas, trace, gap.and_then(|name| name.gap));
+            let gap = arranged.names.placed.iter().find(|name| name.layer == index);
+            draw_contour(canvas, trace, gap.and_then(|name| name.gap));
+            return Ok(());
         }
         _ => (),
     }
     for area in &trace.areas {
-        canvas.fill(area, SHADE)?;
+        canvas.fill(area, SHADE);
     }
     if let Some(pen) = pen_of(layer) {
         for line in &trace.lines {
-            canvas.stroke(line, pen)?;
+            canvas.stroke(line, pen);
         }
     }
     // A value alone between gaps of a curve is a dot of the line, not a marker; a curve of one value has only that.
@@ -178,9 +181,9 @@ fn draw_layer(
     for dot in &trace.dots {
         if of_line {
             let pen = Pen::solid(pen_of(layer).map_or(BLACK, |pen| pen.colour), 0.0);
-            canvas.marker(*dot, CURVE_STROKE * PT / 2.0, series_shape(0), pen)?;
+            canvas.marker(*dot, CURVE_STROKE * PT / 2.0, series_shape(0), pen);
         } else {
-            draw_dot(canvas, layer, *dot)?;
+            draw_dot(canvas, layer, *dot);
         }
     }
     Ok(())
@@ -189,9 +192,11 @@ fn draw_layer(
 /// The pen of a layer's lines.
 pub(super) fn pen_of(layer: &Layer) -> Option<Pen> {
     match layer {
-        Layer::Curve { style, .. } => {
-            Some(Pen { colour: series_colour(*style), width: CURVE_STROKE, dash: series_dash(*style) })
-        }
+        Layer::Curve { style, .. } => Some(Pen {
+            colour: series_colour(*style),
+            width: series_stroke(*style),
+            dash: series_dash(*style),
+        }),
         Layer::Markers { style, joined, .. } => {
             joined.then(|| Pen::solid(series_colour(*style), THIN_STROKE))
         }
@@ -201,17 +206,17 @@ pub(super) fn pen_of(layer: &Layer) -> Option<Pen> {
     }
 }
 
-fn draw_dot(canvas: &mut Canvas, layer: &Layer, at: Point) -> Result<(), PlotError> {
+fn draw_dot(canvas: &mut Canvas, layer: &Layer, at: Point) {
     let style = match layer {
         Layer::Curve { style, .. } | Layer::Markers { style, .. } => *style,
         _ => return canvas.marker(at, MARKER, series_shape(0), Pen::solid(BLACK, THIN_STROKE)),
     };
     let pen = Pen::solid(series_colour(style), THIN_STROKE);
-    canvas.marker(at, MARKER, series_shape(style), pen)
+    canvas.marker(at, MARKER, series_shape(style), pen);
 }
 
 /// A white casing first, then the line, both with the gap for the name.
-fn draw_contour(canvas: &mut Canvas, trace: &Trace, gap: Option<(usize, f64, f64)>) -> Result<(), PlotError> {
+fn draw_contour(canvas: &mut Canvas, trace: &Trace, gap: Option<(usize, f64, f64)>) {
     let mut parts = Vec::new();
     for (index, line) in trace.lines.iter().enumerate() {
         match gap {
@@ -221,16 +226,15 @@ fn draw_contour(canvas: &mut Canvas, trace: &Trace, gap: Option<(usize, f64, f64
     }
     for pen in [Pen::solid(WHITE, CASING_STROKE), Pen::solid(BLACK, THIN_STROKE)] {
         for part in &parts {
-            canvas.stroke(part, pen)?;
+            canvas.stroke(part, pen);
         }
     }
-    Ok(())
 }
 
-fn draw_name(canvas: &mut Canvas, name: &Name, layers: &[Layer]) -> Result<(), PlotError> {
+fn draw_name(canvas: &mut Canvas, name: &Name, layers: &[Layer]) {
     if let (Some(leader), Some(pen)) = (&name.leader, pen_of(&layers[name.layer])) {
         let width = THIN_STROKE.min(pen.width);
-        canvas.stroke(leader, Pen::solid(pen.colour, width))?;
+        canvas.stroke(leader, Pen::solid(pen.colour, width));
     }
     canvas.text(&Text {
         line: &name.line,
@@ -241,13 +245,12 @@ fn draw_name(canvas: &mut Canvas, name: &Name, layers: &[Layer]) -> Result<(), P
         // Names keep clear of lines; only a map lies below them.
         halo: layers.iter().any(|layer| matches!(layer, Layer::Cells { .. })),
     });
-    Ok(())
 }
 
 /// Draws a short piece of a layer for the legend.
-pub(super) fn sample(canvas: &mut Canvas, layer: &Layer, [from, to]: [Point; 2]) -> Result<(), PlotError> {
+pub(super) fn sample(canvas: &mut Canvas, layer: &Layer, [from, to]: [Point; 2]) {
     if let Some(pen) = pen_of(layer) {
-        canvas.stroke(&[from, to], pen)?;
+        canvas.stroke(&[from, to], pen);
     }
     let middle = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
     match layer {
@@ -255,9 +258,9 @@ pub(super) fn sample(canvas: &mut Canvas, layer: &Layer, [from, to]: [Point; 2])
         Layer::Shade { .. } => {
             let Rect { left, top, right, bottom } = Rect::around(middle, to.0 - from.0, 2.0 * MARKER);
             let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-            canvas.fill(&corners, SHADE)
+            canvas.fill(&corners, SHADE);
         }
-        _ => Ok(()),
+        _ => (),
     }
 }
 
@@ -282,7 +285,7 @@ mod tests {
     fn names_stay_on_the_page_and_apart() {
         let (figure, fonts) = (bunch(), Fonts::new().expect("built in"));
         let page = figure.arrange(&fonts).expect("valid figure");
-        let names = &page.scenes[0].names;
+        let names = &page.panels[0].names;
         assert_eq!((names.placed.len(), names.homeless.len()), (6, 0));
         let boxes: Vec<Rect> = names
             .placed
@@ -303,7 +306,7 @@ mod tests {
         figure.panels[0].layers.resize(40, crowd);
         let fonts = Fonts::new().expect("built in");
         let page = figure.arrange(&fonts).expect("valid figure");
-        assert!(page.scenes[0].names.placed.is_empty());
+        assert!(page.panels[0].names.placed.is_empty());
         assert!(page.legend.height() > 0.0);
     }
 }

@@ -92,9 +92,6 @@ pub enum PlotError {
     /// A built-in font could not be read.
     #[error("the built-in font cannot be read")]
     Font,
-    /// The drawing backend refused a shape.
-    #[error("drawing failed: {0}")]
-    Backend(String),
     /// The SVG could not be read back for conversion.
     #[error("the SVG cannot be converted: {0}")]
     Svg(#[from] resvg::usvg::Error),

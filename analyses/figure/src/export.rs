@@ -7,20 +7,23 @@ use resvg::usvg::{Options, Tree, fontdb::Database};
 
 use super::canvas::Form;
 use super::error::PlotError;
-use super::model::Figure;
+use super::model::{Figure, Lettering};
 use super::theme::PNG_DPI;
 
 /// CSS pixels per inch, the unit of usvg.
 const CSS_DPI: f32 = 96.0;
 
 impl Figure {
-    /// The figure as SVG with its printed size in mm. Text is drawn as glyph outlines, so it looks
-    /// the same in every viewer. Equal figures give equal bytes, here and in the other formats.
+    /// The figure as SVG with its printed size in mm. Unless text is asked for, letters are
+    /// outlines and look the same in every viewer. Equal figures give equal bytes, here and in the other formats.
     ///
     /// # Errors
     /// [`PlotError`] if a range, a label or a layer cannot be drawn.
     pub fn svg(&self) -> Result<String, PlotError> {
-        self.draw(Form::Svg)
+        self.draw(match self.lettering {
+            Lettering::Outlines => Form::Svg,
+            Lettering::Text => Form::Letters,
+        })
     }
 
     /// The same drawing as PNG with 300 dots per inch.
@@ -28,7 +31,7 @@ impl Figure {
     /// # Errors
     /// As [`Figure::svg`], or [`PlotError::Png`].
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
-        let tree = Tree::from_str(&self.svg()?, &Options::default())?;
+        let tree = Tree::from_str(&self.draw(Form::Svg)?, &Options::default())?;
         let scale = PNG_DPI as f32 / CSS_DPI;
         // At most a few thousand pixels: the casts only drop the fraction.
         let pixels_of = |length: f32| (length * scale).round() as u32;

@@ -6,11 +6,11 @@ use std::fmt::Write as _;
 
 use super::error::PlotError;
 use super::markup::{Level, Run, parse};
-use super::theme::PT;
+use super::theme::{LEAST_SIZE, PT};
 
 /// Height of a capital letter, em.
 const CAP_HEIGHT: f64 = 0.729;
-/// Size of sub- and superscripts relative to the text.
+/// Size of sub- and superscripts relative to the text, where that is not too small to print.
 const SCRIPT_SIZE: f64 = 0.72;
 /// How far a subscript is lowered, em of the text.
 const SUB_DROP: f64 = 0.17;
@@ -72,13 +72,14 @@ impl Fonts {
     /// Breaks a label into placed pieces at `size` pt.
     pub(super) fn line(&self, label: &str, size: f64) -> Result<Line, PlotError> {
         let em = size * PT;
+        let script = SCRIPT_SIZE.max(LEAST_SIZE / size).min(1.0);
         let (mut x, mut pieces) = (0.0, Vec::new());
         let (mut ascent, mut descent) = (CAP_HEIGHT * em, 0.0_f64);
         for run in parse(label)? {
             let (scale, y) = match run.level {
                 Level::Base => (1.0, 0.0),
-                Level::Sub => (SCRIPT_SIZE, SUB_DROP),
-                Level::Super => (SCRIPT_SIZE, -SUPER_RISE),
+                Level::Sub => (script, SUB_DROP),
+                Level::Super => (script, -SUPER_RISE),
             };
             if run.level != Level::Base {
                 x += SCRIPT_GAP * em;

@@ -87,7 +87,12 @@ fn padded(scale: Scale, all: (f64, f64), tight: Option<(f64, f64)>, airy: Option
     }
     let airy = airy.map(|(low, high)| {
         let shifted = |value, by| value_at(scale, coordinate(scale, value) + by * width);
-        (shifted(low, -RANGE_PAD), shifted(high, RANGE_PAD))
+        // Air does not reach beyond zero: a quantity that has one sign is shown with one sign.
+        let end = |value: f64, by| match shifted(value, by) {
+            beyond if beyond * value <= 0.0 && scale == Scale::Linear => 0.0,
+            inside => inside,
+        };
+        (end(low, -RANGE_PAD), end(high, RANGE_PAD))
     });
     hull(tight, airy).unwrap_or(all)
 }

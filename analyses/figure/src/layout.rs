@@ -5,10 +5,10 @@ use super::error::PlotError;
 use super::font::Fonts;
 use super::frame::{Frame, Interval, intervals, settle};
 use super::geometry::Rect;
-use super::model::{Axis, ColourBar, Figure, Layer, Panel};
+use super::model::{Axis, ColourBar, Figure, Layer, Panel, Scale};
 use super::theme::{
-    AXIS_SIZE, BAR, GAP, MAJOR_TICK, MAX_LABEL_SHARE, MIN_FRAME, PADDING, PT, TICK_PITCH_X, TICK_PITCH_Y,
-    TICK_SIZE, TITLE_SIZE,
+    AXIS_SIZE, BAR, GAP, LEAST_SIZE, MAJOR_TICK, MAX_LABEL_SHARE, MIN_FRAME, PADDING, PT, TICK_PITCH_X,
+    TICK_PITCH_Y, TICK_SIZE, TITLE_SIZE,
 };
 use super::ticks::{Ticks, ticks};
 
@@ -18,6 +18,10 @@ pub(super) struct PlacedPanel<'a> {
     pub(super) frame: Frame,
     pub(super) x_ticks: Ticks,
     pub(super) y_ticks: Ticks,
+    /// (a), (b), ... where the panels are tagged.
+    pub(super) tag: Option<String>,
+    /// Size of the title, pt.
+    pub(super) title_size: f64,
 }
 
 /// The colour bar with its place on the page.
@@ -25,6 +29,8 @@ pub(super) struct PlacedBar<'a> {
     pub(super) bar: &'a ColourBar,
     pub(super) rect: Rect,
     pub(super) interval: Interval,
+    /// Whether values lie below and above the range.
+    pub(super) beyond: [bool; 2],
     pub(super) ticks: Ticks,
 }
 
@@ -32,7 +38,6 @@ pub(super) struct PlacedBar<'a> {
 pub(super) struct Layout<'a> {
     pub(super) panels: Vec<PlacedPanel<'a>>,
     pub(super) bar: Option<PlacedBar<'a>>,
-    pub(super) width: f64,
     /// Height without the legend, which goes below.
     pub(super) height: f64,
 }
@@ -67,9 +72,10 @@ pub(super) fn layout<'a>(figure: &'a Figure, fonts: &Fonts, side: f64) -> Result
     }
     let columns = figure.columns.clamp(1, figure.panels.len());
     let rows = figure.panels.len().div_ceil(columns);
-    let bar_interval = bar_interval(figure)?;
+    let shades = bar_interval(figure)?;
     let axes: Vec<(Interval, Interval)> = figure.panels.iter().map(intervals).collect::<Result<_, _>>()?;
-    let bar = figure.colour_bar.as_ref().zip(bar_interval);
+    let bar = figure.colour_bar.as_ref().zip(shades.map(|(interval, _)| interval));
+    let beyond = shades.map_or([false; 2], |(_, beyond)| beyond);
     let (size, margins) = fit(figure, fonts, &axes, bar, (columns, rows), side)?;
     check_lengths(figure, fonts, size, margins)?;
     let cell = (margins.left + size.0 + margins.right, margins.top + size.1 + margins.bottom);
@@ -82,8 +88,13 @@ pub(super) fn layout<'a>(figure: &'a Figure, fonts: &Fonts, side: f64) -> Result
         panels.push(PlacedPanel {
             panel,
             frame: Frame { rect, x: *x, y: *y },
-            x_ticks: horizontal_ticks(*x, size.0, fonts)?,
-            y_ticks: vertical_ticks(*y, size.1),
+            x_ticks: horizontal_ticks(&panel.x, *x, size.0, fonts)?,
+            y_ticks: vertical_ticks(&panel.y, *y, size.1),
+            tag: tag(figure, index),
+            title_size: match &panel.title {
+                Some(title) => title_size(title, across(size, margins), fonts)?,
+                None => TITLE_SIZE,
+            },
         });
     }
     let height = rows as f64 * cell.1;
@@ -93,10 +104,11 @@ pub(super) fn layout<'a>(figure: &'a Figure, fonts: &Fonts, side: f64) -> Result
             bar,
             rect: Rect::new(columns as f64 * cell.0, margins.top, BAR, long),
             interval,
-            ticks: vertical_ticks(interval, long),
+            beyond,
+            ticks: vertical_ticks(&bar.axis, interval, long),
         }
     });
-    Ok(Layout { panels, bar, width: figure.width.millimetres(), height })
+    Ok(Layout { panels, bar, height })
 }
 
 /// Size of every frame and the margins around it.
@@ -119,7 +131,7 @@ fn fit(
         margins = common_margins(figure, axes, fonts, size, side)?;
         let bar_width = match bar {
             Some((bar, interval)) => {
-                let ticks = vertical_ticks(interval, rows as f64 * size.1);
+                let ticks = vertical_ticks(&bar.axis, interval, rows as f64 * size.1);
                 BAR + side_width(&bar.axis, &ticks, fonts)? + PADDING
             }
             None => 0.0,
@@ -133,8 +145,8 @@ fn fit(
     Ok((size, margins))
 }
 
-/// The range of the colours: given, or from all cells of the figure.
-fn bar_interval(figure: &Figure) -> Result<Option<Interval>, PlotError> {
+/// The range of the colours, given or from all cells of the figure, and whether values lie below and above it.
+fn bar_interval(figure: &Figure) -> Result<Option<(Interval, [bool; 2])>, PlotError> {
     let layers = figure.panels.iter().flat_map(|panel| &panel.layers);
     let values: Vec<f64> = layers
         .filter_map(|layer| match layer {
@@ -144,10 +156,20 @@ fn bar_interval(figure: &Figure) -> Result<Option<Interval>, PlotError> {
         .flatten()
         .copied()
         .collect();
+    let beyond = |interval: Interval| {
+        let inside = |value: &f64| interval.scale == Scale::Linear || *value > 0.0;
+        let of = |holds: &dyn Fn(f64) -> bool| values.iter().filter(|value| inside(value)).any(|v| holds(*v));
+        (interval, [of(&|value| value < interval.low), of(&|value| value > interval.high)])
+    };
     match &figure.colour_bar {
         None if values.is_empty() => Ok(None),
         None => Err(PlotError::NoColourBar),
-        Some(bar) => settle(&bar.axis, &values, &[]).map(Some),
+        Some(bar) => {
+            // What is not positive has no place on a logarithmic bar, and a colour of its own.
+            let shown = |value: &&f64| bar.axis.scale == Scale::Linear || **value > 0.0;
+            let shown: Vec<f64> = values.iter().filter(shown).copied().collect();
+            settle(&bar.axis, &shown, &[]).map(beyond).map(Some)
+        }
     }
 }
 
@@ -165,8 +187,8 @@ fn common_margins(
         bottom: MAJOR_TICK + GAP + text_height(TICK_SIZE) + GAP + text_height(AXIS_SIZE) + PADDING,
     };
     for (panel, (x, y)) in figure.panels.iter().zip(axes) {
-        let y_ticks = vertical_ticks(*y, size.1);
-        let x_ticks = horizontal_ticks(*x, size.0, fonts)?;
+        let y_ticks = vertical_ticks(&panel.y, *y, size.1);
+        let x_ticks = horizontal_ticks(&panel.x, *x, size.0, fonts)?;
         let left = PADDING + side_width(&panel.y, &y_ticks, fonts)?;
         margins.left = margins.left.max(left);
         // The last tick label may reach beyond the frame by half its width.
@@ -177,6 +199,7 @@ fn common_margins(
                 let width = fonts.line(title, TITLE_SIZE)?.width;
                 text_height(TITLE_SIZE) + title_rise(width, size.0) - 2.0 * GAP
             }
+            None if figure.tags => text_height(TITLE_SIZE),
             None if y_ticks.power.is_some() => text_height(TICK_SIZE),
             None => 0.0,
         };
@@ -195,11 +218,11 @@ fn check_lengths(
     size: (f64, f64),
     margins: Margins,
 ) -> Result<(), PlotError> {
-    let across = size.0 + 2.0 * margins.left.min(margins.right);
+    let across = across(size, margins);
     let along = size.1 + 2.0 * margins.top.min(margins.bottom);
     let bar = figure.colour_bar.iter().map(|bar| (&bar.axis.label, AXIS_SIZE, along));
     let labels = figure.panels.iter().flat_map(|panel| {
-        let title = panel.title.iter().map(|title| (title, TITLE_SIZE, across));
+        let title = panel.title.iter().map(|title| (title, LEAST_SIZE, across));
         let axes = [(&panel.x.label, AXIS_SIZE, across), (&panel.y.label, AXIS_SIZE, along)];
         title.chain(axes)
     });
@@ -207,6 +230,24 @@ fn check_lengths(
         check_length(fonts.line(label, points)?.width, room, label)?;
     }
     Ok(())
+}
+
+/// Room for what is centred on a frame, mm.
+fn across(size: (f64, f64), margins: Margins) -> f64 {
+    size.0 + 2.0 * margins.left.min(margins.right)
+}
+
+/// The size at which a title fits into `room`, not below what can be read, pt.
+fn title_size(title: &str, room: f64, fonts: &Fonts) -> Result<f64, PlotError> {
+    let width = fonts.line(title, TITLE_SIZE)?.width;
+    // Scripts shrink less than letters where they are smallest: a hundredth less leaves room for them.
+    Ok(if width <= room { TITLE_SIZE } else { (0.99 * TITLE_SIZE * room / width).max(LEAST_SIZE) })
+}
+
+/// The tag of a panel that is one of several.
+fn tag(figure: &Figure, index: usize) -> Option<String> {
+    let letter = char::from(b'a' + u8::try_from(index).ok().filter(|index| *index < 26)?);
+    (figure.tags && figure.panels.len() > 1).then(|| format!("({letter})"))
 }
 
 /// Refuses a label that would be cut off.
@@ -232,19 +273,28 @@ fn widest(ticks: &Ticks, fonts: &Fonts) -> Result<f64, PlotError> {
     Ok(width)
 }
 
-fn vertical_ticks(interval: Interval, height: f64) -> Ticks {
+fn vertical_ticks(axis: &Axis, interval: Interval, height: f64) -> Ticks {
     // The number of ticks is small and positive: the cast drops the fraction.
     let most = (height / TICK_PITCH_Y) as usize;
-    ticks(interval.scale, interval.low, interval.high, most)
+    named(axis, ticks(interval.scale, interval.low, interval.high, most))
+}
+
+/// The ticks with the labels that the axis has for single values.
+fn named(axis: &Axis, mut ticks: Ticks) -> Ticks {
+    for (value, name) in &axis.names {
+        ticks.major.retain(|(known, _)| known != value);
+        ticks.major.push((*value, name.clone()));
+    }
+    ticks
 }
 
 /// As many ticks as fit without their labels coming close.
-fn horizontal_ticks(interval: Interval, width: f64, fonts: &Fonts) -> Result<Ticks, PlotError> {
+fn horizontal_ticks(axis: &Axis, interval: Interval, width: f64, fonts: &Fonts) -> Result<Ticks, PlotError> {
     /// Least space between two labels, mm.
     const SPACE: f64 = 2.0;
     let mut most = (width / TICK_PITCH_X) as usize;
     loop {
-        let result = ticks(interval.scale, interval.low, interval.high, most);
+        let result = named(axis, ticks(interval.scale, interval.low, interval.high, most));
         let needed = widest(&result, fonts)? + SPACE;
         let places: Vec<f64> =
             result.major.iter().map(|(value, _)| interval.position(*value) * width).collect();

@@ -66,13 +66,13 @@ impl<'a> Legend<'a> {
     }
 
     /// Draws the legend centred in `place`, row by row.
-    pub(super) fn draw(&self, canvas: &mut Canvas, place: Rect) -> Result<(), PlotError> {
+    pub(super) fn draw(&self, canvas: &mut Canvas, place: Rect) {
         let left = place.centre().0 - (self.columns as f64 * self.pitch - 2.0 * PADDING) / 2.0;
         for (index, entry) in self.entries.iter().enumerate() {
             let (row, column) = (index / self.columns, index % self.columns);
             let x = left + column as f64 * self.pitch;
             let y = place.top + (row as f64 + 0.5) * row_height();
-            sample(canvas, entry.layer, [(x, y), (x + SAMPLE, y)])?;
+            sample(canvas, entry.layer, [(x, y), (x + SAMPLE, y)]);
             canvas.text(&Text {
                 line: &entry.line,
                 at: (x + SAMPLE + SAMPLE_GAP, y),
@@ -82,7 +82,6 @@ impl<'a> Legend<'a> {
                 halo: false,
             });
         }
-        Ok(())
     }
 }
 

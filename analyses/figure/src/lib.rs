@@ -17,6 +17,25 @@
 //! # Ok::<(), figure::PlotError>(())
 //! ```
 //!
+//! # Rooms
+//! ```text
+//! model       what a figure shows: panels, axes, layers with their source and name; knows no drawing
+//! layout      places on the page: frame, ticks, axes' labels, legend, colour bar
+//! names       beside which line a name stands (search, geometry)
+//! draw        layers, axes and names as elements, from the bottom up (trace, cells, isolines)
+//! marks       the page as a backend of plotters: elements become marks of SVG; canvas adds glyphs and images
+//! export      the SVG as it is, as PNG and as PDF;  tex  the same figure for pgfplots
+//! theme, font, markup   colours, sizes, letters
+//! ```
+//!
+//! # Why plotters, and for what
+//! plotters separates what is drawn (elements: path, polygon, circle, rectangle) from the page it is drawn on (a backend),
+//! and that seam is used here, through one backend of our own, [`mod@marks`]: it writes what a printer needs and nothing
+//! else, one mark a line, and from its SVG come the PNG and the PDF, so that the three cannot differ; any element of
+//! plotters can be put on the same page. Its charts are not used: they place axes and labels by whole pixels of a screen,
+//! know no names beside curves, no printed width and no records behind a curve, which is what a figure for a paper needs.
+//! TeX draws by itself from the records, so [`mod@tex`] hands it the model, not the marks.
+//!
 //! # Labels
 //! Labels are a small markup: `_{..}` sets a subscript, `^{..}` a superscript, `*..*` italics, a
 //! backslash takes the next character as it is; [`literal`] escapes text from outside. Curves are
@@ -34,6 +53,7 @@ mod geometry;
 mod isolines;
 mod layout;
 mod legend;
+mod marks;
 mod markup;
 mod model;
 mod names;
@@ -51,6 +71,7 @@ pub use error::PlotError;
 pub use isolines::isolines;
 pub use markup::literal;
 pub use model::{
-    At, Axis, ColourBar, ColourMap, DataPoint, Figure, Layer, Naming, Panel, Scale, Side, Source, Width,
+    At, Axis, ColourBar, ColourMap, DataPoint, Figure, Layer, Lettering, Naming, Panel, Scale, Side, Source,
+    Width,
 };
 pub use tex::TexSource;

@@ -29,6 +29,16 @@ pub enum Naming {
     Legend,
 }
 
+/// How letters are written into an SVG.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lettering {
+    /// As outlines, which need no font and look the same everywhere.
+    #[default]
+    Outlines,
+    /// As text, to be searched and edited; a viewer without DejaVu Sans takes another font.
+    Text,
+}
+
 /// One picture: panels in reading order on a grid, perhaps a colour bar.
 #[derive(Clone, Debug)]
 pub struct Figure {
@@ -44,6 +54,12 @@ pub struct Figure {
     pub colour_bar: Option<ColourBar>,
     /// Where curves and markers are named.
     pub naming: Naming,
+    /// Further entries of the legend, by layers without points: what a marker or a shade stands for.
+    pub key: Vec<Layer>,
+    /// Whether several panels are tagged (a), (b), ...
+    pub tags: bool,
+    /// How letters are written into an SVG.
+    pub lettering: Lettering,
 }
 
 impl Figure {
@@ -58,6 +74,9 @@ impl Figure {
             aspect: ASPECT,
             colour_bar: None,
             naming: Naming::Auto,
+            key: Vec::new(),
+            tags: false,
+            lettering: Lettering::default(),
         }
     }
 
@@ -120,12 +139,14 @@ pub struct Axis {
     pub scale: Scale,
     /// Both ends, or `None` to take them from the data.
     pub range: Option<(f64, f64)>,
+    /// Labels (markup) for single values in place of the numbers, such as a 0 for what a logarithmic axis cannot show.
+    pub names: Vec<(f64, String)>,
 }
 
 impl Axis {
     /// A linear axis whose range comes from the data.
     pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Linear, range: None }
+        Self { label: label.into(), scale: Scale::Linear, range: None, names: Vec::new() }
     }
 
     /// A logarithmic axis whose range comes from the data.
@@ -138,6 +159,12 @@ impl Axis {
         self.range = Some((low, high));
         self
     }
+
+    /// The same axis with a label (markup) in place of the number at `value`.
+    pub fn named(mut self, value: f64, label: impl Into<String>) -> Self {
+        self.names.push((value, label.into()));
+        self
+    }
 }
 
 /// Perceptually uniform colour maps.
@@ -148,6 +175,10 @@ pub enum ColourMap {
     Viridis,
     /// Dark blue to yellow; made for colour-blind readers.
     Cividis,
+    /// Dark blue over green to pink, of even lightness; after Crameri, doi 10.5281/zenodo.1243862.
+    Batlow,
+    /// Black to white, for printing without colour.
+    Grey,
 }
 
 /// The scale by which the colours of a map are read.
@@ -203,7 +234,7 @@ pub enum At {
 /// Something drawn between the axes. Labels are markup, see [`crate`].
 /// A `style` picks colour, dash and marker shape together, so that equal styles look equal: 0 blue,
 /// solid, disc; 1 vermilion, dashed, square; 2 green, dotted, triangle; 3 purple, dash-dotted,
-/// diamond; 4 black; 5 orange; 6 sky blue; 7 grey; 8 light grey, solid, for noise behind the others; then again from 0.
+/// diamond; 4 black; 5 orange; 6 sky blue; 7 grey; 8 light grey, solid and thin, for what swings behind the others; then again from 0.
 #[derive(Clone, Debug)]
 pub enum Layer {
     /// Predicted values, joined; a point that is not finite leaves a gap.
@@ -261,7 +292,8 @@ pub enum Layer {
         x: Vec<f64>,
         /// Cell centres along y, increasing.
         y: Vec<f64>,
-        /// `values[j * x.len() + i]` at `(x[i], y[j])`; NaN is grey.
+        /// `values[j * x.len() + i]` at `(x[i], y[j])`; NaN is grey, and on a logarithmic bar what is not positive is shaded
+        /// like a [`Layer::Shade`].
         values: Vec<f64>,
     },
     /// A line of constant value, perhaps in several pieces, named on the longest.

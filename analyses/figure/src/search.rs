@@ -45,12 +45,14 @@ pub(super) struct Inset {
 }
 
 impl Obstacles<'_> {
-    fn allows(&self, rect: &Rect, owner: usize, clearance: f64) -> bool {
+    /// Whether a name of `owner` may stand at `rect`, with this much air to the others and `own` to its own line, `None` if
+    /// it stands upon that.
+    fn allows(&self, rect: &Rect, owner: usize, clearance: f64, own: Option<f64>) -> bool {
         self.frame.grown(-FRAME_CLEARANCE).contains(rect)
             && !self.taken.iter().any(|other| other.meets(&rect.grown(GAP)))
             && !self.traces.iter().enumerate().any(|(index, trace)| {
-                let air = if index == owner { OWN_CLEARANCE } else { clearance };
-                trace.touches(&rect.grown(air))
+                let air = if index == owner { own } else { Some(clearance) };
+                air.is_some_and(|air| trace.touches(&rect.grown(air)))
             })
     }
 
@@ -59,7 +61,7 @@ impl Obstacles<'_> {
         CLEARANCES.iter().find_map(|clearance| {
             candidates
                 .iter()
-                .filter(|(rect, _)| self.allows(rect, owner, *clearance))
+                .filter(|(rect, _)| self.allows(rect, owner, *clearance, Some(OWN_CLEARANCE)))
                 .min_by(|a, b| a.1.total_cmp(&b.1))
                 .map(|(rect, _)| *rect)
         })
@@ -145,21 +147,10 @@ impl Obstacles<'_> {
         candidates.sort_by(|a, b| a.1.total_cmp(&b.1));
         let clearance = CLEARANCES.iter().find_map(|clearance| {
             candidates.iter().position(|(inset, _)| {
-                inset.boxes.iter().all(|part| self.allows_inset(part, owner, *clearance))
+                inset.boxes.iter().all(|part| self.allows(part, owner, *clearance, None))
             })
         })?;
         Some(candidates.swap_remove(clearance).0)
-    }
-
-    /// As [`Self::allows`], but upon the own line.
-    fn allows_inset(&self, rect: &Rect, owner: usize, clearance: f64) -> bool {
-        self.frame.grown(-FRAME_CLEARANCE).contains(rect)
-            && !self.taken.iter().any(|other| other.meets(&rect.grown(GAP)))
-            && !self
-                .traces
-                .iter()
-                .enumerate()
-                .any(|(index, trace)| index != owner && trace.touches(&rect.grown(clearance)))
     }
 }
 

@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 
 use super::axes::power_note;
 use super::canvas::Pen;
-use super::cells::Cells;
-use super::draw::{Page, Scene, pen_of};
+use super::cells::{Cells, colour};
+use super::draw::{ArrangedPanel, Page, pen_of};
 use super::error::PlotError;
 use super::font::Fonts;
 use super::frame::{Frame, Interval};
@@ -58,11 +58,11 @@ impl Figure {
         let fonts = Fonts::new()?;
         let page = self.arrange(&fonts)?;
         let (mut tex, mut images) = (HEAD.to_owned(), Vec::new());
-        for (index, scene) in page.scenes.iter().enumerate() {
-            images.extend(cells(&mut tex, &page, scene, &format!("{stem}-cells{}", index + 1))?);
+        for (index, arranged) in page.panels.iter().enumerate() {
+            images.extend(cells(&mut tex, &page, arranged, &format!("{stem}-cells{}", index + 1))?);
             panel(&mut tex, &page, index)?;
-            for name in &scene.names.placed {
-                draw_name(&mut tex, &page, scene, name)?;
+            for name in &arranged.names.placed {
+                draw_name(&mut tex, &page, arranged, name)?;
             }
         }
         tex.push_str("\\end{tikzpicture}\n\\end{document}\n");
@@ -74,10 +74,10 @@ impl Figure {
 fn cells(
     tex: &mut String,
     page: &Page,
-    scene: &Scene,
+    arranged: &ArrangedPanel,
     name: &str,
 ) -> Result<Option<(String, Vec<u8>)>, PlotError> {
-    let (panel, frame) = (scene.placed.panel, &scene.placed.frame);
+    let (panel, frame) = (arranged.placed.panel, &arranged.placed.frame);
     let cells = panel.layers.iter().find_map(|layer| match layer {
         Layer::Cells { x, y, values } => Some((x.as_slice(), y.as_slice(), values.as_slice())),
         _ => None,
@@ -100,8 +100,8 @@ fn cells(
 
 /// One axis environment with its layers.
 fn panel(tex: &mut String, page: &Page, index: usize) -> Result<(), PlotError> {
-    let scene = &page.scenes[index];
-    let (placed, rect) = (&scene.placed, scene.placed.frame.rect);
+    let arranged = &page.panels[index];
+    let (placed, rect) = (&arranged.placed, arranged.placed.frame.rect);
     let panel = placed.panel;
     // Writing to a String cannot fail, here and below.
     let _ = writeln!(
@@ -112,8 +112,10 @@ fn panel(tex: &mut String, page: &Page, index: usize) -> Result<(), PlotError> {
         rect.width(),
         rect.height()
     );
-    if let Some(title) = &panel.title {
-        let _ = writeln!(tex, "  title={{{}}},", tex_label(title)?);
+    if placed.tag.is_some() || panel.title.is_some() {
+        let parts = placed.tag.iter().chain(&panel.title).map(|part| tex_label(part));
+        let title = parts.collect::<Result<Vec<_>, _>>()?.join(" ");
+        let _ = writeln!(tex, "  title={{{title}}},");
     }
     axis(tex, 'x', placed.frame.x, &placed.x_ticks, &panel.x.label)?;
     axis(tex, 'y', placed.frame.y, &placed.y_ticks, &panel.y.label)?;
@@ -143,7 +145,7 @@ fn panel(tex: &mut String, page: &Page, index: usize) -> Result<(), PlotError> {
 
 /// Whether the panel ends the first row, where the colour bar stands.
 fn is_last_of_row(page: &Page, index: usize) -> bool {
-    let top = |index: usize| page.scenes.get(index).map(|scene| scene.placed.frame.rect.top);
+    let top = |index: usize| page.panels.get(index).map(|arranged| arranged.placed.frame.rect.top);
     top(index) == top(0) && top(index + 1) != top(0)
 }
 
@@ -185,11 +187,18 @@ fn major(ticks: &Ticks, place: impl Fn(f64) -> f64) -> Result<(String, String), 
 fn colour_bar(tex: &mut String, placed: &PlacedBar, visible: bool) -> Result<(), PlotError> {
     let of = |value: f64| if placed.interval.scale == Scale::Log { value.log10() } else { value };
     let map = match placed.bar.map {
-        ColourMap::Viridis => "viridis",
-        ColourMap::Cividis => "cividis",
+        ColourMap::Viridis => " name=viridis".to_owned(),
+        ColourMap::Cividis => " name=cividis".to_owned(),
+        ColourMap::Grey => " name=blackwhite".to_owned(),
+        // Unknown to pgfplots: by its colours.
+        ColourMap::Batlow => {
+            let shares = (0..=16).map(|step| colour(ColourMap::Batlow, f64::from(step) / 16.0));
+            let colours: Vec<String> = shares.map(|(r, g, b)| format!("rgb255=({r},{g},{b})")).collect();
+            format!("={{batlow}}{{{}}}", colours.join(" "))
+        }
     };
     let (low, high) = (of(placed.interval.low), of(placed.interval.high));
-    let _ = writeln!(tex, "  colormap name={map}, point meta min={low:e}, point meta max={high:e},");
+    let _ = writeln!(tex, "  colormap{map}, point meta min={low:e}, point meta max={high:e},");
     if visible {
         let (places, names) = major(&placed.ticks, of)?;
         let _ = writeln!(
@@ -289,8 +298,8 @@ fn colour_of(colour: Colour) -> String {
 }
 
 /// A name at its place on the page, with the line that leads to it.
-fn draw_name(tex: &mut String, page: &Page, scene: &Scene, name: &Name) -> Result<(), PlotError> {
-    let layer = &scene.placed.panel.layers[name.layer];
+fn draw_name(tex: &mut String, page: &Page, arranged: &ArrangedPanel, name: &Name) -> Result<(), PlotError> {
+    let layer = &arranged.placed.panel.layers[name.layer];
     let label = tex_label(label_of(layer).unwrap_or_default())?;
     let colour = colour_of(name.colour);
     if let Some([from, to]) = name.leader {
@@ -303,7 +312,7 @@ fn draw_name(tex: &mut String, page: &Page, scene: &Scene, name: &Name) -> Resul
         );
         return Ok(());
     }
-    let on_map = scene.placed.panel.layers.iter().any(|layer| matches!(layer, Layer::Cells { .. }));
+    let on_map = arranged.placed.panel.layers.iter().any(|layer| matches!(layer, Layer::Cells { .. }));
     let paper = if on_map { ", fill=white, fill opacity=0.8, text opacity=1" } else { "" };
     let _ = writeln!(
         tex,

@@ -5,6 +5,8 @@ pub(super) const PT: f64 = 25.4 / 72.0;
 /// Resolution of the PNG, dots per inch.
 pub(super) const PNG_DPI: f64 = 300.0;
 
+/// Least size of any letter or digit, sub- and superscripts too, pt: what journals ask for.
+pub(super) const LEAST_SIZE: f64 = 6.0;
 /// Tick labels, pt.
 pub(super) const TICK_SIZE: f64 = 7.0;
 /// Labels of curves, contours and legends, pt.
@@ -18,6 +20,8 @@ pub(super) const TITLE_SIZE: f64 = 8.5;
 pub(super) const FRAME_STROKE: f64 = 0.5;
 /// Curves, pt.
 pub(super) const CURVE_STROKE: f64 = 1.0;
+/// A curve that swings from step to step, pt: its swings stay apart, where wider ones make a block.
+pub(super) const SWINGING_STROKE: f64 = 0.3;
 /// Exact solutions, rules, contours and leaders, pt.
 pub(super) const THIN_STROKE: f64 = 0.6;
 /// White casing below contour lines, which keeps them visible on dark colours, pt.
@@ -80,7 +84,7 @@ const SERIES: [Colour; 9] = [
     (230, 159, 0),
     (86, 180, 233),
     (120, 120, 120),
-    (175, 175, 175),
+    (140, 140, 140),
 ];
 
 /// Dashes, mm drawn and mm left out in turn; all different, so that grey print keeps the curves apart.
@@ -136,6 +140,11 @@ pub(super) fn series_ink(style: usize) -> Colour {
     let factor = (PALE / luma.max(1.0)).min(1.0);
     // Factors are at most 1, so the products stay within 0..=255.
     ((r * factor) as u8, (g * factor) as u8, (b * factor) as u8)
+}
+
+/// Width of a curve of this style, pt.
+pub(super) fn series_stroke(style: usize) -> f64 {
+    if style % SERIES.len() == SERIES.len() - 1 { SWINGING_STROKE } else { CURVE_STROKE }
 }
 
 /// Dash pattern of this style, mm.

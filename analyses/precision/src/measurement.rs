@@ -2,12 +2,14 @@
 
 use std::collections::HashMap;
 use std::fmt;
-use std::str::FromStr;
+
+use serde::{Deserialize, Serialize, Serializer};
 
 use bipenalty::spectrum::UNIT_ROUNDOFF;
 
 /// The kind of problem.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Family {
     /// The largest eigenvalue of a pencil.
     Eigenvalue,
@@ -15,18 +17,9 @@ pub enum Family {
     Stepping,
 }
 
-impl Family {
-    /// The name in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Eigenvalue => "eigenvalue",
-            Self::Stepping => "stepping",
-        }
-    }
-}
-
-/// How a measurement ended.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// How a measurement ended; in records `done`, `failed: ..`, `timed out: ..` or `wrong: ..`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub enum Status {
     /// With an error and a time.
     Done,
@@ -49,10 +42,16 @@ impl fmt::Display for Status {
     }
 }
 
-impl FromStr for Status {
-    type Err = String;
+impl From<Status> for String {
+    fn from(status: Status) -> Self {
+        status.to_string()
+    }
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl TryFrom<String> for Status {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
         match text.split_once(": ") {
             None if text == "done" => Ok(Self::Done),
             Some(("failed", why)) => Ok(Self::Failed(why.to_owned())),
@@ -63,8 +62,17 @@ impl FromStr for Status {
     }
 }
 
-/// Error and run time of one method on one problem of one size.
-#[derive(Debug, Clone, PartialEq)]
+/// Writes a number, or nothing; what JSON has not, such as infinity, as a word.
+pub(super) fn number<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    match number {
+        Some(other) if !other.is_finite() => serializer.collect_str(other),
+        number => number.serialize(serializer),
+    }
+}
+
+/// Error and run time of one method on one problem of one size: a row of the records, written and read. What has no number
+/// is empty.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
     /// Which kind of problem.
     pub family: Family,
@@ -76,14 +84,17 @@ pub struct Measurement {
     pub size: usize,
     /// Eigenvalues: (dt - exact)/exact of the critical step, positive where it is too large, which is unsafe. Impacts:
     /// the rms error over the run in units of its scale, see [`super::ImpactErrors`].
+    #[serde(serialize_with = "number")]
     pub error: Option<f64>,
     /// Smallest time of the runs, s.
+    #[serde(serialize_with = "number")]
     pub seconds: Option<f64>,
     /// Products with the matrices or eliminations of them, where a method counts them.
     pub evaluations: Option<u64>,
     /// How it ended.
     pub status: Status,
     /// Whether no other method is as right and as quick; see [`mark_front`].
+    #[serde(default)]
     pub on_front: bool,
 }
 
@@ -103,9 +114,9 @@ impl Measurement {
         }
     }
 
-    /// |error| and seconds, where both are there.
-    pub fn coordinates(&self) -> Option<(f64, f64)> {
-        Some((self.error?.abs(), self.seconds?))
+    /// (seconds, |error|) of a measurement that is done.
+    pub fn point(&self) -> Option<(f64, f64)> {
+        (self.status == Status::Done).then_some((self.seconds?, self.error?.abs()))
     }
 
     /// What it competes in: eigenvalues at one size, impacts at any.
@@ -122,25 +133,26 @@ pub fn mark_front(measurements: &mut [Measurement]) {
     let mut races: HashMap<(Family, String, usize), Vec<usize>> = HashMap::new();
     for (i, measurement) in measurements.iter_mut().enumerate() {
         measurement.on_front = false;
-        if measurement.coordinates().is_some() && measurement.status == Status::Done {
+        if measurement.point().is_some() {
             let (family, problem, size) = measurement.race();
             races.entry((family, problem.to_owned(), size)).or_default().push(i);
         }
     }
     for mut race in races.into_values() {
-        let coordinates = |i: usize| {
-            let (error, seconds) = measurements[i].coordinates().unwrap_or((f64::INFINITY, f64::INFINITY));
-            (error.max(UNIT_ROUNDOFF), seconds)
+        let point = |i: usize| {
+            let (seconds, error) = measurements[i].point().unwrap_or((f64::INFINITY, f64::INFINITY));
+            (seconds, error.max(UNIT_ROUNDOFF))
         };
         // By time, then error: on the front is what is more right than everything quicker.
         race.sort_by(|a, b| {
-            let ((ea, ta), (eb, tb)) = (coordinates(*a), coordinates(*b));
+            let ((ta, ea), (tb, eb)) = (point(*a), point(*b));
             ta.total_cmp(&tb).then(ea.total_cmp(&eb))
         });
         let mut best = f64::INFINITY;
         race.retain(|i| {
-            let better = coordinates(*i).0 < DISTINCT * best;
-            best = best.min(coordinates(*i).0);
+            let error = point(*i).1;
+            let better = error < DISTINCT * best;
+            best = best.min(error);
             better
         });
         race.into_iter().for_each(|i| measurements[i].on_front = true);
@@ -178,8 +190,8 @@ mod tests {
     fn a_status_reads_back() {
         let why = || "a: b".to_owned();
         for status in [Status::Done, Status::Failed(why()), Status::TimedOut(why()), Status::Wrong(why())] {
-            assert_eq!(status.to_string().parse(), Ok(status));
+            assert_eq!(Status::try_from(status.to_string()), Ok(status));
         }
-        assert!("excellent".parse::<Status>().is_err());
+        assert!(Status::try_from("excellent".to_owned()).is_err());
     }
 }

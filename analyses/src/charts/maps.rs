@@ -1,7 +1,7 @@
 //! The charts of the tools, made of records only.
 
 use super::curve::{Curve, Point, curves_of};
-use crate::record::{OptimalRatioRow, StabilityRow};
+use crate::record::{GIVEN, OptimalRatioRow, StabilityRow};
 use figure::isolines;
 use figure::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Side, Source, Width, literal};
 
@@ -171,7 +171,7 @@ pub fn is_logarithmic(values: &[f64]) -> bool {
 /// stand in `file`.
 pub fn mass_family(file: &str, models: &[Vec<StabilityRow>]) -> Figure {
     let computed = models.iter().flatten().enumerate();
-    let computed = computed.filter_map(|(i, row)| Some((i, (row.gamma.0, row.critical_courant?.0))));
+    let computed = computed.filter_map(|(i, row)| Some((i, (row.gamma?.0, row.critical_courant?.0))));
     let (rows, computed): (Vec<usize>, Vec<(f64, f64)>) = computed.unzip();
     let source = Source::of(file, ["gamma", "critical_courant"], &rows);
     let exact = |i: usize| {
@@ -370,13 +370,18 @@ fn figure(panels: Vec<Panel>) -> Figure {
 /// Scene, size and mass of the rows.
 fn title(rows: &[StabilityRow]) -> String {
     let Some(row) = rows.first() else { return String::new() };
-    let plural = if row.elements == 1 { "" } else { "s" };
+    let elements = match row.elements {
+        Some(1) => ", 1 element".to_owned(),
+        Some(n) => format!(", {n} elements"),
+        None => String::new(),
+    };
     let mass = match row.mass.as_str() {
-        name @ ("lumped" | "averaged" | "consistent") => name.to_owned(),
-        gamma => format!("γ = {gamma}"),
+        GIVEN => String::new(),
+        name @ ("lumped" | "averaged" | "consistent") => format!(", {name}"),
+        gamma => format!(", γ = {gamma}"),
     };
     let name = scene_name(&row.scene);
-    literal(&format!("{name}, {} element{plural}, {mass}{}", row.elements, bound_name(rows)))
+    literal(&format!("{name}{elements}{mass}{}", bound_name(rows)))
 }
 
 /// The built-in scenes by the names of the paper. A long name is cut: the title must fit above half a page.

@@ -1,8 +1,8 @@
-//! Error against run time, made of records only: one marker a measurement, the Pareto front as a line.
+//! Error against run time, made of measurements only: one marker a measurement, the Pareto front as a line.
 
 use super::maps::scene_name;
-use crate::record::WorkRow;
 use figure::{Axis, Figure, Layer, Naming, Panel, Width, literal};
+use precision::{Family, Measurement, distinct};
 
 /// Errors below are drawn here: no method is right beyond a tenth of a unit in the last place but by chance.
 const SMALLEST_ERROR: f64 = 1e-17;
@@ -38,11 +38,11 @@ fn kind(method: &str) -> (&'static str, usize) {
 }
 
 /// |error| of the critical step over time at one size, one panel a problem.
-pub fn eigenvalue_errors(rows: &[WorkRow], size: usize) -> Figure {
-    let rows: Vec<&WorkRow> =
-        measured(rows, "eigenvalue").into_iter().filter(|row| row.size == size).collect();
+pub fn eigenvalue_errors(rows: &[Measurement], size: usize) -> Figure {
+    let rows: Vec<&Measurement> =
+        measured(rows, Family::Eigenvalue).into_iter().filter(|row| row.size == size).collect();
     let panel = |problem: &String| {
-        let of: Vec<&WorkRow> = rows.iter().filter(|row| row.problem == *problem).copied().collect();
+        let of: Vec<&Measurement> = rows.iter().filter(|row| row.problem == *problem).copied().collect();
         let mut layers = vec![front(&of)];
         layers.extend(of.iter().map(|row| markers(&[row], false)));
         panel_of(
@@ -55,8 +55,8 @@ pub fn eigenvalue_errors(rows: &[WorkRow], size: usize) -> Figure {
 }
 
 /// Time over size, one line a method, one panel a problem.
-pub fn eigenvalue_times(rows: &[WorkRow]) -> Figure {
-    let rows = measured(rows, "eigenvalue");
+pub fn eigenvalue_times(rows: &[Measurement]) -> Figure {
+    let rows = measured(rows, Family::Eigenvalue);
     let panel = |problem: &String| {
         let of = || rows.iter().filter(|row| row.problem == *problem);
         let methods = methods(of().copied());
@@ -74,16 +74,16 @@ pub fn eigenvalue_times(rows: &[WorkRow]) -> Figure {
 
 /// Errors of the impacts of one scene over time: one panel a mass matrix and quantity, one line a scheme through the meshes
 /// at half the critical step. Of other steps only what lies on the front is shown, as markers.
-pub fn impact_errors(rows: &[WorkRow], scene: &str) -> Figure {
+pub fn impact_errors(rows: &[Measurement], scene: &str) -> Figure {
     let prefix = format!("{scene}-");
-    let rows: Vec<&WorkRow> =
-        measured(rows, "stepping").into_iter().filter(|row| row.problem.starts_with(&prefix)).collect();
+    let rows: Vec<&Measurement> =
+        measured(rows, Family::Stepping).into_iter().filter(|row| row.problem.starts_with(&prefix)).collect();
     let panel = |problem: &String| {
-        let of: Vec<&WorkRow> = rows.iter().filter(|row| row.problem == *problem).copied().collect();
+        let of: Vec<&Measurement> = rows.iter().filter(|row| row.problem == *problem).copied().collect();
         let methods = methods(of.iter().copied());
         let line = |method: &&str| {
             let halved = method.ends_with(HALF);
-            let shown = |row: &&&WorkRow| row.method == *method && (halved || row.on_front);
+            let shown = |row: &&&Measurement| row.method == *method && (halved || row.on_front);
             markers(&of.iter().filter(shown).copied().collect::<Vec<_>>(), halved)
         };
         let shown = methods.iter().filter(|method| {
@@ -97,42 +97,32 @@ pub fn impact_errors(rows: &[WorkRow], scene: &str) -> Figure {
 }
 
 /// What can be drawn of a family.
-fn measured<'a>(rows: &'a [WorkRow], family: &str) -> Vec<&'a WorkRow> {
+fn measured(rows: &[Measurement], family: Family) -> Vec<&Measurement> {
     rows.iter().filter(|row| row.family == family && row.point().is_some()).collect()
 }
 
 /// The problems in their order.
-fn problems(rows: &[&WorkRow]) -> Vec<String> {
+fn problems(rows: &[&Measurement]) -> Vec<String> {
     distinct(rows.iter().map(|row| row.problem.clone()))
 }
 
 /// The methods in their order.
-fn methods<'a>(rows: impl Iterator<Item = &'a WorkRow>) -> Vec<&'a str> {
+fn methods<'a>(rows: impl Iterator<Item = &'a Measurement>) -> Vec<&'a str> {
     distinct(rows.map(|row| row.method.as_str()))
 }
 
-fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
-    let mut found = Vec::new();
-    items.for_each(|item| {
-        if !found.contains(&item) {
-            found.push(item);
-        }
-    });
-    found
-}
-
-fn markers(rows: &[&WorkRow], joined: bool) -> Layer {
+fn markers(rows: &[&Measurement], joined: bool) -> Layer {
     let (name, style) = rows.first().map_or(("", 0), |row| kind(&row.method));
     Layer::Markers { points: points(rows), label: Some(literal(name)), style, joined, source: None }
 }
 
-fn points(rows: &[&WorkRow]) -> Vec<(f64, f64)> {
+fn points(rows: &[&Measurement]) -> Vec<(f64, f64)> {
     rows.iter().filter_map(|row| row.point()).map(|(t, error)| (t, error.max(SMALLEST_ERROR))).collect()
 }
 
 /// The Pareto front as steps: between two of its points nothing is better than the quicker one.
-fn front(rows: &[&WorkRow]) -> Layer {
-    let on_front: Vec<&WorkRow> = rows.iter().filter(|row| row.on_front).copied().collect();
+fn front(rows: &[&Measurement]) -> Layer {
+    let on_front: Vec<&Measurement> = rows.iter().filter(|row| row.on_front).copied().collect();
     let mut corners = points(&on_front);
     corners.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut steps: Vec<(f64, f64)> = Vec::new();
@@ -146,7 +136,7 @@ fn front(rows: &[&WorkRow]) -> Layer {
 }
 
 /// One scale of errors for all panels.
-fn error_axis(label: &str, rows: &[&WorkRow]) -> Axis {
+fn error_axis(label: &str, rows: &[&Measurement]) -> Axis {
     let errors = points(rows).into_iter().map(|(_, error)| error);
     let (low, high) = errors.fold((f64::INFINITY, 0.0_f64), |(low, high), e| (low.min(e), high.max(e)));
     let range = (low < high).then_some((low / 2.0, high * 2.0));

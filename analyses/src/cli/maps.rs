@@ -1,18 +1,20 @@
 //! The plan of `stability-map`: which models over which grid, by which engine, for which chart.
 
+use std::sync::Arc;
 use std::time::Instant;
 
-use super::{Limit, LimitOptions, Progress};
+use super::{LimitOptions, Progress};
 use crate::charts::{ContourLines, interpolated_contours, is_logarithmic, levels};
 use crate::error::{Refusal, Result};
 use crate::record::StabilityRow;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
-use bipenalty::pencil::Penalty;
 use bipenalty::scene::Scene;
 use bipenalty::schemes::{ClosedLimit, SchemeName};
-use bipenalty::spectrum::{Enclosure, StepLimit, Uncertified};
-use bipenalty::stability::{Axis, Curve, Grid, Model, map, scheme_contour};
+use bipenalty::spectrum::Uncertified;
+use bipenalty::stability::{
+    AnyModel, Asking, Axis, CriticalStep, Curve, Grid, LimitOf, Model, map, with_limit,
+};
 
 /// How the points of a job are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,12 +42,12 @@ impl Chart {
 }
 
 /// The models of one figure and the grid they share.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Job {
     /// Name of the files, without ending.
     pub stem: String,
     /// The models, a panel each.
-    pub models: Vec<Model>,
+    pub models: Vec<Arc<AnyModel>>,
     /// The axis of beta_s.
     pub beta_s: Axis,
     /// The axis of r.
@@ -59,16 +61,16 @@ pub struct Job {
 }
 
 /// One model's map.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Solved {
     /// The model.
-    pub model: Model,
+    pub model: Arc<AnyModel>,
     /// Whose limit.
-    pub limit: Limit,
+    pub limit: LimitOf,
     /// The map.
     pub curves: Vec<Curve>,
-    /// The contact-free l_max.
-    pub contact_free: Result<Enclosure, Uncertified>,
+    /// The contact-free limit.
+    pub contact_free: Result<CriticalStep, Uncertified>,
     /// The map at r = 1 over the same beta_s.
     pub optimal: Curve,
     /// Time for the map, s.
@@ -82,14 +84,23 @@ const MOST_CURVES: usize = 12;
 /// (up to 340, in a vector that doubles), and the cells of its line for the record of a figure (17 of 24 and up to 32).
 const BYTES_PER_POINT: u64 = 2800;
 
+impl Solved {
+    /// dt, s, of a critical Courant number.
+    pub fn seconds_of(&self, critical_courant: f64) -> f64 {
+        // Its reference was found with the map.
+        self.model.time_step(critical_courant).unwrap_or(f64::NAN)
+    }
+}
+
 impl Job {
-    /// The job of one figure; refuses what the models cannot hold.
+    /// The job of one figure.
     ///
     /// # Errors
     /// A grid that is empty, too large, or whose penalties leave the range of f64.
-    pub fn new(stem: String, models: Vec<Model>, beta_s: Axis, ratio: Axis) -> Result<Self, Refusal> {
+    pub fn new(stem: String, models: Vec<Arc<AnyModel>>, beta_s: Axis, ratio: Axis) -> Result<Self, Refusal> {
         let grid = checked_grid(&beta_s, &ratio)?;
-        for model in &models {
+        // What a mesh refers to is an eigenvalue, which is for the run to compute.
+        for model in models.iter().filter(|model| matches!(***model, AnyModel::Bars(_))) {
             model.check_grid(&grid)?;
         }
         let chart = Chart::of(&beta_s.values, &ratio.values);
@@ -100,12 +111,21 @@ impl Job {
     /// step: dt^2 s' mu = 1.
     ///
     /// # Errors
-    /// What [`ClosedLimit::plastic_ratio`] and [`Job::new`] refuse.
-    pub fn plastic(stem: String, model: Model, beta_s: Axis, relative_courant: f64) -> Result<Self, Refusal> {
-        model.check_pencil()?;
-        let pencil = model.pencil();
-        model.limit(SchemeName::PredictorCorrector.scheme(), &pencil)?;
-        let limit = ClosedLimit::new(&pencil, Box::new(model.auto()))?;
+    /// What [`ClosedLimit::plastic_ratio`] and [`Job::new`] refuse; a model that is no row of bars.
+    pub fn plastic(
+        stem: String,
+        model: Arc<AnyModel>,
+        beta_s: Axis,
+        relative_courant: f64,
+    ) -> Result<Self, Refusal> {
+        let AnyModel::Bars(bars) = &*model else {
+            let value = format!("plastic with scene {}", model.name());
+            return Err(Refusal::new("--ratio", value, "numbers, or a scene of [[bar]]"));
+        };
+        bars.check_pencil()?;
+        let pencil = bars.pencil();
+        bars.limit(SchemeName::PredictorCorrector.scheme(), &pencil)?;
+        let limit = ClosedLimit::new(&pencil, Box::new(bars.auto()))?;
         let ratio = |beta_s: &f64| {
             let beta_s = StiffnessPenalty::new(*beta_s)?.get();
             limit.plastic_ratio(beta_s, relative_courant)
@@ -121,12 +141,14 @@ impl Job {
         points * self.models.len()
     }
 
-    /// Refuses maps whose records the memory does not hold.
+    /// Refuses what the run itself has to find out: maps whose records the memory does not hold, and penalties of meshes
+    /// that f64 does not.
     ///
     /// # Errors
-    /// See [`Grid::require_memory`].
-    pub fn require_memory(&self) -> Result<(), Refusal> {
-        require_memory(&self.grid, BYTES_PER_POINT * self.models.len() as u64)
+    /// See [`Grid::require_memory`] and [`AnyModel::check_grid`].
+    pub fn check(&self) -> Result<(), Refusal> {
+        require_memory(&self.grid, BYTES_PER_POINT * self.models.len() as u64)?;
+        self.models.iter().try_for_each(|model| model.check_grid(&self.grid))
     }
 
     /// Computes the maps of all models, certified.
@@ -140,41 +162,48 @@ impl Job {
 
     fn solve_model(
         &self,
-        model: &Model,
+        model: &Arc<AnyModel>,
         limit: &LimitOptions,
         progress: &Progress,
     ) -> Result<Solved, Refusal> {
-        let pencil = limit.needs_pencil().then(|| model.pencil());
-        let engine = limit.find(model, pencil.as_ref())?;
+        let asking = limit.asking()?;
         let begun = Instant::now();
-        let curves = self.curves(model, engine.as_ref(), progress);
+        let curves = self.curves(model, &asking, progress)?;
         let seconds = begun.elapsed().as_secs_f64();
         let at_one = curves.iter().find(|curve| !self.paired && curve.ratio == Ratio::OPTIMAL).cloned();
-        let optimal = at_one.unwrap_or_else(|| {
-            let grid = Grid { ratios: vec![Ratio::OPTIMAL], ..self.grid.clone() };
-            map(model, &grid, engine.as_ref(), &|_| ()).remove(0)
-        });
-        let contact_free = engine.enclose(&Penalty::NONE, None).map(|step| step.l);
-        let (model, limit) = (model.clone(), limit.limit);
-        Ok(Solved { model, limit, curves, contact_free, optimal, seconds })
+        let optimal = match at_one {
+            Some(curve) => curve,
+            None => {
+                let grid = Grid { ratios: vec![Ratio::OPTIMAL], ..self.grid.clone() };
+                model.map(&grid, &asking, &|_| ())?.remove(0)
+            }
+        };
+        let contact_free = model.contact_free(&asking)?.step;
+        Ok(Solved { model: model.clone(), limit: asking.limit, curves, contact_free, optimal, seconds })
     }
 
-    fn curves(&self, model: &Model, engine: &dyn StepLimit, progress: &Progress) -> Vec<Curve> {
+    fn curves(&self, model: &AnyModel, asking: &Asking, progress: &Progress) -> Result<Vec<Curve>, Refusal> {
         let done = |points| progress.add(points);
         if !self.paired {
-            return map(model, &self.grid, engine, &done);
+            return model.map(&self.grid, asking, &done);
         }
+        // Paired penalties are those of bars.
+        let AnyModel::Bars(model) = model else { return model.map(&self.grid, asking, &done) };
         let pairs = self.grid.stiffness_penalties.iter().zip(&self.grid.ratios);
-        pairs
-            .flat_map(|(beta_s, ratio)| {
-                let point = Grid { stiffness_penalties: vec![*beta_s], ratios: vec![*ratio] };
-                map(model, &point, engine, &done)
-            })
-            .collect()
+        let point = |(beta_s, ratio): (&StiffnessPenalty, &Ratio)| Grid {
+            stiffness_penalties: vec![*beta_s],
+            ratios: vec![*ratio],
+        };
+        with_limit(model, asking, |limit| {
+            Ok(pairs.flat_map(|pair| map(model, &point(pair), limit, &done)).collect())
+        })
     }
 
     /// What `--explain` says of the job.
-    pub fn explain(&self, limit: &LimitOptions) -> String {
+    ///
+    /// # Errors
+    /// As [`AnyModel::plan`].
+    pub fn explain(&self, limit: &LimitOptions) -> Result<String, Refusal> {
         let mut text = format!(
             "{}: {} x {} points (beta_s x r), {}\n",
             self.stem,
@@ -188,12 +217,43 @@ impl Job {
             }
         );
         for model in &self.models {
-            text += &match limit.limit.scheme() {
-                None => format!("  {}\n", super::explain(model, limit.engine, &self.grid)),
-                Some(scheme) => format!("  {}\n", explain_scheme(model, scheme)),
-            };
+            text += &format!("  {}\n", super::explain(model, limit, &self.grid)?);
         }
-        text
+        Ok(text)
+    }
+
+    /// The contour lines of the maps: explicit, but for the limits of schemes with several contacts between bars, which are
+    /// interpolated on the grid of the rows.
+    ///
+    /// # Errors
+    /// As [`AnyModel::contour`].
+    pub fn contour_lines(
+        &self,
+        rows: &[Vec<StabilityRow>],
+        limit: &LimitOptions,
+    ) -> Result<Vec<ContourLines>, Refusal> {
+        let models = self.models.iter().zip(rows);
+        models.map(|(model, rows)| self.lines_of(model, rows, limit)).collect()
+    }
+
+    /// The contour lines of one of the models, whose rows these are.
+    ///
+    /// # Errors
+    /// As [`Job::contour_lines`].
+    pub fn lines_of(
+        &self,
+        model: &AnyModel,
+        rows: &[StabilityRow],
+        limit: &LimitOptions,
+    ) -> Result<ContourLines, Refusal> {
+        let of_bars = matches!(model, AnyModel::Bars(_));
+        if of_bars && limit.limit.scheme().is_some() && model.contacts() > 1 {
+            return Ok(interpolated_contours(rows));
+        }
+        let range = |axis: &Axis| (axis.values[0], axis.values[axis.values.len() - 1]);
+        let (beta_s, ratio, asking) = (range(&self.beta_s), range(&self.ratio), limit.asking()?);
+        let line = |level: f64| Ok((level, model.contour(level, beta_s, ratio, &asking)?));
+        levels(rows).into_iter().map(line).collect()
     }
 }
 
@@ -205,41 +265,23 @@ pub fn checked_grid(beta_s: &Axis, ratio: &Axis) -> Result<Grid, Refusal> {
     Grid::new(beta_s, ratio)
 }
 
+/// Refuses a scene without a contact: it has nothing to optimise.
+///
+/// # Errors
+/// Names the scene.
+pub fn check_touches(model: &AnyModel) -> Result<(), Refusal> {
+    match model.contacts() {
+        0 => Err(Refusal::new("SCENE", model.name(), "a scene with at least one contact")),
+        _ => Ok(()),
+    }
+}
+
 /// Refuses a grid whose points, of `bytes` each, the memory does not hold, by the options that the user typed.
 ///
 /// # Errors
 /// See [`Grid::require_memory`].
 pub fn require_memory(grid: &Grid, bytes: u64) -> Result<(), Refusal> {
     grid.require_memory(bytes)
-}
-
-/// The contour lines of the limit of a scheme: explicit for one contact, for several interpolated on the grid of the rows.
-pub fn scheme_lines(
-    model: &Model,
-    limit: &dyn StepLimit,
-    rows: &[StabilityRow],
-    beta_s: (f64, f64),
-    ratio: (f64, f64),
-) -> ContourLines {
-    if model.scales().len() > 1 {
-        return interpolated_contours(rows);
-    }
-    let line = |level: f64| (level, scheme_contour(model, limit, level, beta_s, ratio));
-    levels(rows).into_iter().map(line).collect()
-}
-
-/// How the limit of a scheme is found for `model`.
-fn explain_scheme(model: &Model, scheme: SchemeName) -> String {
-    let scene = model.scene();
-    let method = match scheme {
-        SchemeName::Park => {
-            "multiplier -1 of the amplification matrix, about 10 pairs of eliminations of the pencil"
-        }
-        _ => {
-            "dt^2 s' mu = 1 in closed form, of unlike contacts a lower bound; below the contact-free l_max signs of the secular equation"
-        }
-    };
-    format!("{} ({} elements, {} mass): {method}", scene.name(), scene.elements(), model.mass().name())
 }
 
 /// The figures of the paper, and the maps it leaves out: what `stability-map` does without a scene.
@@ -258,35 +300,35 @@ pub fn paper(
     // Fig. 1: the penalty method against the bi-penalty method at its optimum.
     let methods = Axis::list([1.0, f64::INFINITY]);
     for mass in masses {
-        let model = Model::new(scene("signorini", 1)?, *mass, form);
+        let model = bars(scene("signorini", 1)?, *mass, form);
         let name = format!("fig1-{}", mass.name());
         jobs.push(Job::new(name, vec![model], linear.clone(), methods.clone())?);
     }
     for elements in [1, 100] {
         let pair = [scene("signorini", elements)?, scene("symmetric", elements)?];
         for mass in masses {
-            let models: Vec<Model> =
-                pair.iter().map(|scene| Model::new(scene.clone(), *mass, form)).collect();
+            let models: Vec<_> = pair.iter().map(|scene| bars(scene.clone(), *mass, form)).collect();
             let name = |kind: &str| format!("{kind}-{elements}-{}", mass.name());
             jobs.push(Job::new(name("fig3"), models.clone(), linear.clone(), ratios.clone())?);
             jobs.push(Job::new(name("map"), models, log_beta.clone(), log_ratio.clone())?);
         }
     }
     for mass in masses {
-        let model = Model::new(scene("hunek", 50)?, *mass, form);
+        let model = bars(scene("hunek", 50)?, *mass, form);
         jobs.push(Job::new(format!("hunek-{}", mass.name()), vec![model], linear.clone(), ratios.clone())?);
     }
     Ok(jobs)
 }
 
+fn bars(scene: Scene, mass: MassMatrix, form: PenaltyMass) -> Arc<AnyModel> {
+    Arc::new(AnyModel::Bars(Model::new(scene, mass, form)))
+}
+
 /// The contact-free limit over gamma, (26).
 fn mass_family(scene: Scene, form: PenaltyMass) -> Result<Job, Refusal> {
     let gammas = Axis::linear(0.0, 1.0, 21)?;
-    let models: Result<Vec<Model>, Refusal> = gammas
-        .values
-        .iter()
-        .map(|gamma| Ok(Model::new(scene.clone(), MassMatrix::new(*gamma)?, form)))
-        .collect();
-    let job = Job::new("mass-matrices".to_owned(), models?, Axis::list([0.0]), Axis::list([1.0]))?;
+    let model = |gamma: &f64| Ok(bars(scene.clone(), MassMatrix::new(*gamma)?, form));
+    let models = gammas.values.iter().map(model).collect::<Result<_, Refusal>>()?;
+    let job = Job::new("mass-matrices".to_owned(), models, Axis::list([0.0]), Axis::list([1.0]))?;
     Ok(Job { chart: Chart::MassFamily, ..job })
 }

@@ -6,6 +6,7 @@
 mod arguments;
 mod impacts;
 mod maps;
+mod narration;
 mod opening;
 mod options;
 mod output;
@@ -13,6 +14,7 @@ mod peers;
 mod plan;
 mod progress;
 mod redraw;
+mod steps;
 mod summary;
 mod verification;
 
@@ -20,17 +22,22 @@ pub use arguments::arguments;
 pub use impacts::{
     FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute, suffix,
 };
-pub use maps::{Chart, Job, Solved, checked_grid, paper, require_memory, scheme_lines};
+pub use maps::{Chart, Job, Solved, check_touches, checked_grid, paper, require_memory};
+pub use narration::{Analysis, narrate};
 pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
 pub use options::{
     Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput, WidthOption,
 };
 pub use output::{Output, check_stems};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
-pub use plan::explain;
+pub use plan::{explain, step_and_cost};
 pub use progress::Progress;
 pub use redraw::{redraw_optimal_ratio, redraw_stability};
-pub use summary::{MapSummary, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios};
+pub use steps::{HeldStep, hold_step};
+pub use summary::{
+    FEW_POINTS, MapSummary, governing_answer, point_answers, print_impacts, print_summaries, print_table,
+    tabulate_ratios,
+};
 pub use verification::{print_reasons, print_verification};
 
 use std::process::ExitCode;

@@ -3,17 +3,18 @@
 use std::fmt::Display;
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum, ValueHint};
 
 use crate::error::{Error, Refusal, Result};
+use bipenalty::damping::Damping;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
-use bipenalty::pencil::Pencil;
-use bipenalty::scene::{MAX_ELEMENTS, Scene, load};
-use bipenalty::schemes::SchemeName;
-use bipenalty::spectrum::{Spectrum, StepLimit};
-use bipenalty::stability::{Axis, EngineName, Model};
+use bipenalty::scene::{MAX_ELEMENTS, Scene};
+use bipenalty::schemes::explicit::ExplicitName;
+use bipenalty::schemes::{SchemeName, damped};
+use bipenalty::stability::{AnyModel, AnyScene, Asking, Axis, EngineName, LimitOf, Model};
 use figure::Width;
 
 /// Which scenes, how finely meshed, with which mass.
@@ -25,10 +26,10 @@ pub struct SceneOptions {
     /// Elements of the first bar; the other bars keep their proportion
     #[arg(long, value_name = "N", value_parser = elements, allow_negative_numbers = true)]
     pub elements: Option<usize>,
-    /// Mass matrices: lumped, averaged, consistent, or gamma in [0, 1]
-    #[arg(long, value_name = "LIST", default_value = "lumped,averaged,consistent", value_parser = masses,
-        allow_negative_numbers = true)]
-    pub mass: MassList,
+    /// Mass matrices: lumped, averaged, consistent, or gamma in [0, 1] [default: lumped,averaged,consistent for bars, lumped
+    /// for meshes; matrices bring their own]
+    #[arg(long, value_name = "LIST", value_parser = masses, allow_negative_numbers = true)]
+    pub mass: Option<MassList>,
     /// Form of the mass penalty M_p
     #[arg(long, value_name = "FORM", default_value = "consistent")]
     pub penalty_mass: PenaltyMassOption,
@@ -93,9 +94,9 @@ impl SceneOptions {
     ///
     /// # Errors
     /// What the scene files and `--elements` are refused for.
-    pub fn scenes(&self) -> Result<Vec<Scene>> {
-        let remeshed = |name: &String| -> Result<Scene> {
-            let scene = load(name)?;
+    pub fn scenes(&self) -> Result<Vec<AnyScene>> {
+        let remeshed = |name: &String| -> Result<AnyScene> {
+            let scene = AnyScene::load(name)?;
             Ok(match self.elements {
                 Some(elements) => scene.with_elements(elements)?,
                 None => scene,
@@ -104,10 +105,41 @@ impl SceneOptions {
         self.scenes.iter().map(remeshed).collect()
     }
 
+    /// The mass matrices of bars.
+    pub fn masses(&self) -> Vec<MassMatrix> {
+        let all = || vec![MassMatrix::LUMPED, MassMatrix::AVERAGED, MassMatrix::CONSISTENT];
+        self.mass.as_ref().map_or_else(all, |list| list.0.clone())
+    }
+
     /// The models of `scene`, one a mass matrix.
-    pub fn models(&self, scene: &Scene) -> Vec<Model> {
-        let model = |mass: &MassMatrix| Model::new(scene.clone(), *mass, self.penalty_mass.into());
-        self.mass.0.iter().map(model).collect()
+    ///
+    /// # Errors
+    /// As [`AnyModel::new`].
+    pub fn models(&self, scene: &AnyScene) -> Result<Vec<Arc<AnyModel>>> {
+        let model = |mass| Ok(Arc::new(AnyModel::new(scene, mass, self.penalty_mass.into())?));
+        match (scene, &self.mass) {
+            (AnyScene::Bars(_), _) => self.masses().into_iter().map(|mass| model(Some(mass))).collect(),
+            (_, Some(list)) => list.0.iter().map(|mass| model(Some(*mass))).collect(),
+            (_, None) => Ok(vec![model(None)?]),
+        }
+    }
+
+    /// The scenes, all of which are to be rows of bars.
+    ///
+    /// # Errors
+    /// As [`SceneOptions::scenes`]; a scene of matrices or meshes.
+    pub fn bars(&self) -> Result<Vec<Scene>> {
+        let bars = |scene| match scene {
+            AnyScene::Bars(scene) => Ok(scene),
+            other => Err(Refusal::new("SCENE", other.name(), "a scene of [[bar]] for this tool").into()),
+        };
+        self.scenes()?.into_iter().map(bars).collect()
+    }
+
+    /// The models of bars, one a mass matrix.
+    pub fn bar_models(&self, scene: &Scene) -> Vec<Model> {
+        let model = |mass| Model::new(scene.clone(), mass, self.penalty_mass.into());
+        self.masses().into_iter().map(model).collect()
     }
 }
 
@@ -122,25 +154,44 @@ pub enum Limit {
     PredictorCorrector,
     /// The Park scheme with closed contact and dt_c = 2/omega_max of the contact-free scene
     Park,
+    /// The scheme of Noh and Bathe, two forces a step
+    NohBathe,
+    /// The scheme of Chung and Lee
+    ChungLee,
+    /// The scheme of Tchamwa and Wielgosz
+    TchamwaWielgosz,
+    /// The explicit generalised-alpha scheme of Hulbert and Chung
+    GeneralisedAlpha,
 }
 
 impl Limit {
-    /// The name in records.
+    /// The name in records, undamped.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Spectrum => "spectrum",
-            Self::CentralDifference => SchemeName::CentralDifference.name(),
-            Self::PredictorCorrector => SchemeName::PredictorCorrector.name(),
-            Self::Park => SchemeName::Park.name(),
+        match (self.explicit(), self.scheme()) {
+            (Some(explicit), _) => explicit.name(),
+            (_, Some(scheme)) => scheme.name(),
+            _ if self == Self::CentralDifference => SchemeName::CentralDifference.name(),
+            _ => "spectrum",
         }
     }
 
-    /// The scheme whose limit is not the spectrum's.
+    /// The scheme of this crate whose limit is not the spectrum's.
     pub fn scheme(self) -> Option<SchemeName> {
         match self {
-            Self::Spectrum | Self::CentralDifference => None,
             Self::PredictorCorrector => Some(SchemeName::PredictorCorrector),
             Self::Park => Some(SchemeName::Park),
+            _ => None,
+        }
+    }
+
+    /// The explicit scheme with the contact in its internal force.
+    pub fn explicit(self) -> Option<ExplicitName> {
+        match self {
+            Self::NohBathe => Some(ExplicitName::NohBathe),
+            Self::ChungLee => Some(ExplicitName::ChungLee),
+            Self::TchamwaWielgosz => Some(ExplicitName::TchamwaWielgosz),
+            Self::GeneralisedAlpha => Some(ExplicitName::GeneralisedAlpha),
+            _ => None,
         }
     }
 }
@@ -154,57 +205,110 @@ pub struct LimitOptions {
     /// Averaging of the Park scheme, in [0, 1] [default: 0.5]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub theta: Option<f64>,
+    /// Parameter of --limit noh-bathe (p), chung-lee (beta), tchamwa-wielgosz (phi), generalised-alpha (rho) [default: as published]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    pub parameter: Option<f64>,
+    /// A of the damping C = A M + B K + C_c K_p, 1/s; velocities half a step behind [default: 0]
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    pub damping_mass: Option<f64>,
+    /// B of the same, s [default: 0]
+    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    pub damping_stiffness: Option<f64>,
+    /// C_c of the same, N s/m of a closed contact per N/m of its penalty [default: 0]
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    pub damping_contact: Option<f64>,
     /// auto, closed-form, secular, sturm, dense, or lapack where it is built in
     #[arg(long, value_name = "NAME", default_value = "auto")]
     pub engine: EngineName,
+    /// Widest enclosure of a step, relative, for matrices and meshes [default: 1e-3 for a map, 1e-9 up to 64 points]
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
+    /// Elements along an edge of a patch, for the proof by patches of a mesh [default: chosen, see --explain]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub patch: Option<usize>,
 }
 
 impl LimitOptions {
+    /// The limit with all that goes with it as usual.
+    pub fn of(limit: Limit) -> Self {
+        Self {
+            limit,
+            theta: None,
+            parameter: None,
+            damping_mass: None,
+            damping_stiffness: None,
+            damping_contact: None,
+            engine: EngineName::Auto,
+            tolerance: None,
+            patch: None,
+        }
+    }
+
+    /// What is asked of a model.
+    ///
+    /// # Errors
+    /// A theta or a parameter out of range, or with a limit that has none; damping that is none, or of a scheme that has no
+    /// derived limit with it.
+    pub fn asking(&self) -> Result<Asking, Refusal> {
+        let name = self.limit.name();
+        if let Some(theta) = self.theta.filter(|_| self.limit != Limit::Park) {
+            let allowed = format!("no theta with --limit {name}, or --limit park");
+            return Err(Refusal::new("--theta", theta, allowed));
+        }
+        if let Some(parameter) = self.parameter.filter(|_| self.limit.explicit().is_none()) {
+            let allowed = format!(
+                "no parameter with --limit {name}, or --limit noh-bathe, chung-lee, tchamwa-wielgosz, generalised-alpha"
+            );
+            return Err(Refusal::new("--parameter", parameter, allowed));
+        }
+        let damping = self.damping()?;
+        let limit = match (self.limit.explicit(), self.limit.scheme()) {
+            (Some(explicit), _) if damping.is_none() => LimitOf::Explicit(explicit.with(self.parameter)?),
+            (Some(_), _) => {
+                let value = format!("{name} with damping, whose limit is not derived");
+                let allowed =
+                    "none with this scheme, or spectrum, central-difference and predictor-corrector with it";
+                return Err(Refusal::new("damping", value, allowed));
+            }
+            (_, Some(scheme)) if damping.is_none() => {
+                LimitOf::Scheme(scheme.with_theta(self.theta.unwrap_or(0.5))?)
+            }
+            (_, Some(scheme)) => LimitOf::Scheme(damped(scheme, damping)?),
+            (_, None) if damping.is_none() => LimitOf::Spectrum,
+            (_, None) => LimitOf::Damped(damping),
+        };
+        let Self { engine, tolerance, patch, .. } = *self;
+        Ok(Asking { limit, engine, tolerance, patch, memory: None })
+    }
+
+    /// C as typed.
+    fn damping(&self) -> Result<Damping, Refusal> {
+        let part = |typed: Option<f64>| typed.unwrap_or(0.0);
+        Damping::new(part(self.damping_mass), part(self.damping_stiffness), part(self.damping_contact))
+    }
+
+    /// Whose limit, as records name it.
+    ///
+    /// # Errors
+    /// As [`LimitOptions::asking`].
+    pub fn name(&self) -> Result<&'static str, Refusal> {
+        // Central differences have the spectrum's limit, and say so by their name.
+        Ok(match self.asking()?.limit {
+            LimitOf::Spectrum => self.limit.name(),
+            other => other.name(),
+        })
+    }
+
     /// Refuses what `model` has no such limit or no such engine for.
     ///
     /// # Errors
-    /// An engine or a theta that the limit does not use, and what [`Model::limit`] refuses.
-    pub fn check(&self, model: &Model) -> Result<(), Refusal> {
-        let place = format!("--limit {}", self.limit.name());
-        if let Some(theta) = self.theta.filter(|_| self.limit != Limit::Park) {
-            return Err(Refusal::new("--theta", theta, format!("no theta with {place}, or --limit park")));
-        }
-        let Some(scheme) = self.limit.scheme() else {
-            return model.check_engine(self.engine);
-        };
-        if self.engine != EngineName::Auto {
-            return Err(Refusal::new("--engine", self.engine.text(), format!("auto with {place}")));
-        }
-        model.check_pencil()?;
-        model.limit(&*scheme.with_theta(self.theta())?, &model.pencil()).map(|_| ())
-    }
-
-    /// theta of the Park scheme.
-    pub fn theta(&self) -> f64 {
-        self.theta.unwrap_or(0.5)
-    }
-
-    /// Whether the limit works on the assembled pencil.
-    pub fn needs_pencil(&self) -> bool {
-        self.limit.scheme().is_some() || self.engine.needs_pencil()
-    }
-
-    /// What finds the limit of `model` as l = 4/dt^2; `pencil` where it is needed.
-    ///
-    /// # Errors
-    /// What [`Model::limit`] refuses.
-    pub fn find<'a>(
-        &self,
-        model: &Model,
-        pencil: Option<&'a Pencil>,
-    ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
-        match (self.limit.scheme(), pencil) {
-            (Some(scheme), Some(pencil)) => model.limit(&*scheme.with_theta(self.theta())?, pencil),
-            (None, Some(pencil)) => Ok(Box::new(Spectrum(model.engine(self.engine, pencil)?))),
-            (None, None) if self.engine == EngineName::ClosedForm => {
-                Ok(Box::new(Spectrum(Box::new(model.closed_form()))))
-            }
-            (_, None) => Ok(Box::new(Spectrum(Box::new(model.auto())))),
+    /// As [`LimitOptions::asking`] and [`AnyModel::check`]; for bars also as [`Model::limit`].
+    pub fn check(&self, model: &AnyModel) -> Result<(), Refusal> {
+        let asking = self.asking()?;
+        model.check(&asking)?;
+        match (model, asking.limit.scheme()) {
+            (AnyModel::Bars(model), Some(scheme)) => model.limit(scheme, &model.pencil()).map(|_| ()),
+            _ => Ok(()),
         }
     }
 }
@@ -232,7 +336,7 @@ pub struct OutputOptions {
     /// Directory for the files [default: figures/TOOL]
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
-    /// What to write: svg, png, pdf, csv, json, tex, record
+    /// What to write: svg, png, pdf, csv, json, tex, record; vtu, the critical modes of up to 8 points of a mesh (stability-map)
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "svg,png,csv,record")]
     pub format: Vec<Format>,
     /// Printed width of the figures: single (a column, 90 mm) or double (a page, 190 mm) [default: by panels]
@@ -287,6 +391,8 @@ pub enum Format {
     Tex,
     /// Command, revision, scene, engine, time and checks of each figure, as FIGURE.record.json
     Record,
+    /// The mesh with a mode or a state, for ParaView
+    Vtu,
 }
 
 impl Format {
@@ -300,6 +406,7 @@ impl Format {
             Self::Csv => "csv",
             Self::Json => "json",
             Self::Record => "record.json",
+            Self::Vtu => "vtu",
         }
     }
 
@@ -326,9 +433,21 @@ pub(super) fn by_option(error: Error) -> Error {
         "r" | "ratio" => "--ratio",
         "beta_s, ratio" | "grid" => "--beta-s, --ratio",
         "theta" => "--theta",
+        "time step" => "--time-step",
+        "damping, mass" => "--damping-mass",
+        "damping, stiffness" => "--damping-stiffness",
+        "damping, contact" => "--damping-contact",
+        "damping" => "--limit with --damping-...",
+        "noh-bathe, p" | "chung-lee, beta" | "tchamwa-wielgosz, phi" | "generalised-alpha, rho_b" => {
+            &format!("--parameter ({})", refusal.place)
+        }
         "limit" => "--limit",
         "engine" => "--engine",
         "tolerance" => "--tolerance",
+        "patch" => "--patch",
+        "mass" => "--mass",
+        "penalty mass" => "--penalty-mass",
+        "elements" => "--elements",
         "relative Courant number" => "--relative-courant",
         other if other.starts_with("elements ") => &format!("--{other}"),
         other => other,

@@ -24,6 +24,8 @@ pub struct Output {
     begun: Instant,
     /// The records of the run by their stem: its figures speak of them.
     tables: Arc<Mutex<BTreeMap<String, Table>>>,
+    /// The first figure that could not be drawn.
+    undrawn: Arc<Mutex<Option<Error>>>,
     /// The file that is drawn again, never to be overwritten.
     source: Option<PathBuf>,
 }
@@ -50,6 +52,7 @@ impl Output {
             width: options.width.map(Width::from),
             begun: Instant::now(),
             tables: Arc::default(),
+            undrawn: Arc::default(),
             source: None,
         })
     }
@@ -134,10 +137,27 @@ impl Output {
         Ok(self.write(stem, "md", text.as_bytes())?.into_iter().collect())
     }
 
+    /// Writes what `content` writes as `stem.vtu`, as asked for.
+    ///
+    /// # Errors
+    /// What `content` refuses, and what the system says of the file.
+    pub fn write_vtu(
+        &self,
+        stem: &str,
+        content: impl FnOnce(&mut Vec<u8>) -> Result<(), Refusal>,
+    ) -> Result<Vec<PathBuf>> {
+        if !self.writes(Format::Vtu) {
+            return Ok(Vec::new());
+        }
+        let mut bytes = Vec::new();
+        content(&mut bytes)?;
+        Ok(self.write(stem, Format::Vtu.ending(), &bytes)?.into_iter().collect())
+    }
+
     /// Draws `figure`, which shows the rows of the same stem, in the formats asked for, with its record.
     ///
     /// # Errors
-    /// What the drawing layer refuses and what the system says of the file.
+    /// What the system says of the file.
     pub fn write_figure(&self, stem: &str, figure: &Figure) -> Result<Vec<PathBuf>> {
         self.write_figure_from(stem, stem, figure)
     }
@@ -150,7 +170,8 @@ impl Output {
         self.write_figure_of(stem, figure, &[source.to_owned()], None::<[(); 0]>)
     }
 
-    /// Draws `figure`, which shows the rows written as `sources`; `about` are rows that say more of the same runs.
+    /// Draws `figure`, which shows the rows written as `sources`; `about` are rows that say more of the same runs. A figure
+    /// that cannot be drawn ends no run, whose other rows would be lost: [`Self::check_drawn`] tells of it.
     ///
     /// # Errors
     /// As [`Self::write_figure`].
@@ -183,10 +204,15 @@ impl Output {
                     images = tex.images;
                     tex.text.into_bytes()
                 }),
-                Format::Csv | Format::Json | Format::Record => continue,
+                Format::Csv | Format::Json | Format::Record | Format::Vtu => continue,
             };
-            let bytes = drawn.map_err(|source| Error::Figure { name: stem.to_owned(), source })?;
-            written.extend(self.write(stem, format.ending(), &bytes)?);
+            match drawn {
+                Ok(bytes) => written.extend(self.write(stem, format.ending(), &bytes)?),
+                Err(source) => {
+                    let mut undrawn = self.undrawn.lock().unwrap_or_else(PoisonError::into_inner);
+                    undrawn.get_or_insert(Error::Figure { name: stem.to_owned(), source });
+                }
+            }
         }
         for (name, png) in &images {
             written.extend(self.write(name, Format::Png.ending(), png)?);
@@ -202,6 +228,14 @@ impl Output {
             written.extend(self.write(stem, Format::Record.ending(), &record::figure_json(&record)?)?);
         }
         Ok(written)
+    }
+
+    /// Whether every figure was drawn, asked when all rows are written.
+    ///
+    /// # Errors
+    /// The first that the drawing layer has refused.
+    pub fn check_drawn(&self) -> Result<()> {
+        self.undrawn.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
     }
 
     fn writes(&self, format: Format) -> bool {

@@ -4,10 +4,8 @@ use std::io::{Read, Write};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
-use serde::Deserialize;
-
 use crate::error::{Error, Refusal, Result};
-use precision::{Family, Measurement};
+use precision::Measurement;
 
 /// A Python that can import scipy.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -85,39 +83,11 @@ impl Peers {
     }
 }
 
-/// A row as a script prints it.
-#[derive(Deserialize)]
-struct Row {
-    family: String,
-    problem: String,
-    method: String,
-    size: usize,
-    error: Option<f64>,
-    seconds: Option<f64>,
-    evaluations: Option<u64>,
-    status: String,
-}
-
 /// The rows of `text`; a last line without its end, of a script that was stopped, is none.
 fn parse(text: &str) -> Result<Vec<Measurement>> {
     let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
-    let bad = |what: String| Error::Record(format!("a peer printed {what}"));
-    let measurement = |row: Result<Row, csv::Error>| {
-        let row = row.map_err(|error| bad(error.to_string()))?;
-        let family = [Family::Eigenvalue, Family::Stepping].into_iter().find(|f| f.name() == row.family);
-        Ok(Measurement {
-            family: family.ok_or_else(|| bad(format!("the family {:?}", row.family)))?,
-            problem: row.problem,
-            method: row.method,
-            size: row.size,
-            error: row.error,
-            seconds: row.seconds,
-            evaluations: row.evaluations,
-            status: row.status.parse().map_err(bad)?,
-            on_front: false,
-        })
-    };
-    csv::Reader::from_reader(whole.as_bytes()).deserialize().map(measurement).collect()
+    let rows = csv::Reader::from_reader(whole.as_bytes()).into_deserialize().collect::<Result<_, _>>();
+    rows.map_err(|error| Error::Record(format!("a peer printed {error}")))
 }
 
 /// OpenBLAS reads its number of threads when it is loaded: with the feature `lapack` the run is repeated with one, unless

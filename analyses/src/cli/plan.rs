@@ -1,11 +1,45 @@
 //! What a run computes, by what, and what the scene lets it leave out: the text of `--explain`.
 
+use super::LimitOptions;
+use crate::error::Refusal;
 use bipenalty::penalty::PenaltyMass;
 use bipenalty::scene::End;
-use bipenalty::stability::{EngineName, Grid, Model};
+use bipenalty::schemes::SchemeName;
+use bipenalty::schemes::explicit::{ExplicitFacts, ExplicitScheme};
+use bipenalty::stability::{AnyModel, EngineName, Grid, LimitOf, Model, Prover};
 
 /// The plan for `model` over `grid`: engine, cost of a point, and what is left out and why.
-pub fn explain(model: &Model, engine: EngineName, grid: &Grid) -> String {
+///
+/// # Errors
+/// As [`AnyModel::plan`].
+pub fn explain(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<String, Refusal> {
+    let text = match (model, limit.limit.scheme()) {
+        (AnyModel::Mesh(_), _) => explain_mesh(model, limit, grid)?,
+        (AnyModel::Bars(model), None) => explain_bars(model, limit.engine, grid),
+        (AnyModel::Bars(model), Some(scheme)) => explain_scheme(model, scheme),
+    };
+    Ok(match limit.asking()?.limit {
+        LimitOf::Explicit(scheme) => format!("{text}\n    {}", step_and_cost(&*scheme)),
+        LimitOf::Damped(_) => format!("{text}\n    damped: some ten such problems for each point"),
+        LimitOf::Spectrum | LimitOf::Scheme(_) => text,
+    })
+}
+
+/// How much larger a step a scheme stands than central differences, and what it pays for it.
+pub fn step_and_cost(scheme: &dyn ExplicitScheme) -> String {
+    let ExplicitFacts { title, parameter, evaluations, formula, source, .. } = scheme.facts();
+    let longer = 0.5 * scheme.largest();
+    let forces = if evaluations == 1 { "force" } else { "forces" };
+    format!(
+        "{title}, {parameter} = {}: Omega = {formula} = {:.4}, steps {longer:.4} times those of central differences with \
+         {evaluations} {forces} each: {:.4} times the time a force buys ({source})",
+        scheme.parameter(),
+        scheme.largest(),
+        longer / evaluations as f64,
+    )
+}
+
+fn explain_bars(model: &Model, engine: EngineName, grid: &Grid) -> String {
     let scene = model.scene();
     let bars = if scene.bars().len() == 1 { "bar" } else { "bars" };
     format!(
@@ -17,6 +51,53 @@ pub fn explain(model: &Model, engine: EngineName, grid: &Grid) -> String {
         method(model, engine),
         left_out(model, engine, grid).join("; "),
     )
+}
+
+/// How the limit of a scheme is found for bars.
+fn explain_scheme(model: &Model, scheme: SchemeName) -> String {
+    let scene = model.scene();
+    let method = match scheme {
+        SchemeName::Park => {
+            "multiplier -1 of the amplification matrix, about 10 pairs of eliminations of the pencil"
+        }
+        _ => {
+            "dt^2 s' mu = 1 in closed form, of unlike contacts a lower bound; below the contact-free l_max signs of the secular equation"
+        }
+    };
+    format!("{} ({} elements, {} mass): {method}", scene.name(), scene.elements(), model.mass().name())
+}
+
+/// How much of what size, and what proves it.
+fn explain_mesh(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<String, Refusal> {
+    let plan = model.plan(grid.len(), &limit.asking()?)?;
+    let proof = match plan.prover {
+        Some(Prover::Factorisation) => "by sparse Cholesky factorisations of all unknowns".to_owned(),
+        Some(Prover::Patches { edge, total, different, largest }) => format!(
+            "by Cholesky factorisations of {different} of {total} patches (the others are equal to them), {edge} elements along \
+             an edge, at most {largest} unknowns"
+        ),
+        Some(Prover::Chance { probability, steps }) => {
+            format!("by no proof: Lanczos of {steps} steps, wrong with a probability of {probability:e}")
+        }
+        None => "point by point".to_owned(),
+    };
+    let elements = plan.elements.map_or(String::new(), |n| format!("{n} elements, "));
+    let mass = model.mass().map_or(String::new(), |mass| format!(", {} mass", mass.name()));
+    let memory =
+        plan.memory.map_or(String::new(), |bytes| format!(", about {} MB", bytes.div_ceil(1_000_000)));
+    Ok(format!(
+        "{} ({elements}{} unknowns, {} contacts{mass}): {}, about {} eigenproblems of one function f(t) for all {} points, and {} bounds \
+         {proof}, to {:e} of a step{memory}\n    left out: an eigenproblem for each point; M_p in the eigenproblems; initial \
+         velocities and gaps (every contact is closed)",
+        model.name(),
+        plan.unknowns,
+        plan.contacts,
+        plan.engine,
+        plan.eigenproblems,
+        plan.points,
+        plan.proofs,
+        plan.tolerance.unwrap_or(f64::EPSILON),
+    ))
 }
 
 fn method(model: &Model, engine: EngineName) -> String {

@@ -5,15 +5,15 @@ use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 
 use super::Solved;
-use crate::record::{ImpactRow, Number, OptimalRatioRow, StabilityRow};
+use crate::record::{GIVEN, ImpactRow, Number, OptimalRatioRow, StabilityRow};
 use bipenalty::penalty::Ratio;
-use bipenalty::stability::{CriticalStep, Curve, MapPoint};
+use bipenalty::stability::{AnyModel, CriticalStep, Curve, Governing, MapPoint, Model};
 
 /// What the summary says of one scene with one mass matrix, over all its maps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapSummary {
     scene: String,
-    elements: usize,
+    elements: Option<usize>,
     mass: String,
     free: String,
     linear_limit: String,
@@ -27,6 +27,9 @@ pub struct MapSummary {
     /// Whether every value is certified and r = 1 keeps the element limit.
     pub holds: bool,
 }
+
+/// Up to this many points are answered in words.
+pub const FEW_POINTS: usize = 8;
 
 /// What stands below every table of limits.
 const CAUTION: &str = "The limits are linear, of closed contact. Contact that opens and closes may gain energy below them: central \
@@ -47,8 +50,8 @@ const HEADER: [&str; 8] = [
 impl MapSummary {
     /// The summary of `solved`.
     pub fn of(solved: &Solved) -> Self {
-        let model = &solved.model;
-        let free = solved.contact_free.map(|l| model.critical_step(l));
+        let model = &*solved.model;
+        let free = solved.contact_free;
         let optimal = smallest(&solved.optimal).map(|(step, _)| step);
         let (verdict, keeps) = match (free, optimal) {
             (Ok(free), Some(step)) => verdict(solved, free, step),
@@ -59,12 +62,12 @@ impl MapSummary {
         let points = || solved.curves.iter().flat_map(|curve| &curve.points);
         let uncertified = points().filter(|point| point.step.is_err()).count();
         Self {
-            scene: model.scene().name().to_owned(),
-            elements: model.scene().elements(),
-            mass: model.mass().name(),
+            scene: model.name().to_owned(),
+            elements: model.elements(),
+            mass: model.mass().map_or(GIVEN.to_owned(), |mass| mass.name()),
             free: free.map_or("-".to_owned(), |step| format!("{:.6}", step.critical_courant)),
             linear_limit: optimal.map_or("-".to_owned(), |step| {
-                let seconds = format!("{:.5e} s", model.time_step(step.lower));
+                let seconds = format!("{:.5e} s", solved.seconds_of(step.lower));
                 if step.is_lower_bound() { format!("at least {seconds} (lower bound)") } else { seconds }
             }),
             verdict,
@@ -75,7 +78,7 @@ impl MapSummary {
             points: points().count(),
             uncertified,
             seconds: solved.seconds,
-            touches: !model.scales().is_empty(),
+            touches: model.contacts() > 0,
             holds: uncertified == 0 && keeps,
         }
     }
@@ -107,7 +110,7 @@ impl MapSummary {
         let lowest = self.lowest.as_ref();
         vec![
             self.scene.clone(),
-            self.elements.to_string(),
+            self.elements.map_or("-".to_owned(), |n| n.to_string()),
             self.mass.clone(),
             self.free.clone(),
             self.linear_limit.clone(),
@@ -128,10 +131,10 @@ fn smallest(curve: &Curve) -> Option<(CriticalStep, f64)> {
 
 /// Whether r = 1 kept the contact-free limit, and how far off; false only if it fell below the element limit.
 fn verdict(solved: &Solved, free: CriticalStep, optimal: CriticalStep) -> (String, bool) {
-    if solved.model.scales().is_empty() {
+    if solved.model.contacts() == 0 {
         return ("no contact".to_owned(), true);
     }
-    if solved.limit.scheme().is_some() {
+    if !solved.limit.is_spectrum() {
         // A scheme need not keep it; what it keeps is the answer.
         let kept = optimal.critical_courant / free.critical_courant;
         let text = match optimal.is_lower_bound() {
@@ -142,21 +145,46 @@ fn verdict(solved: &Solved, free: CriticalStep, optimal: CriticalStep) -> (Strin
         };
         return (text, true);
     }
-    let units = (free.critical_courant - optimal.critical_courant) / (free.critical_courant * f64::EPSILON);
-    let scene = solved.model.scene();
-    let mass = solved.model.mass();
-    let element = scene.bars().iter().map(|bar| mass.element_eigenvalue(bar)).fold(0.0, f64::max);
-    let reference = solved.model.reference_eigenvalue();
-    let element_limit = solved.model.critical_courant(reference) * (reference / element).sqrt();
-    let above_element = optimal.upper >= element_limit * (1.0 - 4.0 * f64::EPSILON);
-    let text = match (optimal.upper >= free.lower, above_element) {
-        (true, _) => format!("yes ({:.1} eps)", units.max(0.0)),
+    // What the mediant inequality promises: no less than the contact-free limit or that of the reference.
+    let promised = match &*solved.model {
+        AnyModel::Bars(model) => element_limit(model),
+        AnyModel::Mesh(_) => 1.0,
+    };
+    let as_promised = optimal.upper >= promised.min(free.lower) * (1.0 - 4.0 * f64::EPSILON);
+    let text = match (optimal.upper >= free.lower, as_promised) {
+        (true, _) => kept(free, optimal),
         (false, true) => {
-            format!("element limit yes, costs {:.1e}", 1.0 - optimal.critical_courant / free.critical_courant)
+            let cost = 1.0 - optimal.critical_courant / free.critical_courant;
+            format!("{} limit yes, costs {cost:.1e}", reference_name(&solved.model))
         }
         (false, false) => "NO".to_owned(),
     };
-    (text, above_element)
+    (text, as_promised)
+}
+
+/// C_r of the element of highest frequency.
+fn element_limit(model: &Model) -> f64 {
+    let highest =
+        model.scene().bars().iter().map(|bar| model.mass().element_eigenvalue(bar)).fold(0.0, f64::max);
+    let reference = model.reference_eigenvalue();
+    model.critical_courant(reference) * (reference / highest).sqrt()
+}
+
+fn reference_name(model: &AnyModel) -> &'static str {
+    match model {
+        AnyModel::Bars(_) => "element",
+        AnyModel::Mesh(_) => "reference",
+    }
+}
+
+/// How well a limit is known to be kept: in roundings where it is known to that, else by the width of the enclosure.
+fn kept(free: CriticalStep, optimal: CriticalStep) -> String {
+    let width = optimal.upper / optimal.lower - 1.0;
+    if width > 1e-12 {
+        return format!("yes (to {width:.0e})");
+    }
+    let units = (free.critical_courant - optimal.critical_courant) / (free.critical_courant * f64::EPSILON);
+    format!("yes ({:.1} eps)", units.max(0.0))
 }
 
 /// Prints one line a scene and mass matrix.
@@ -189,7 +217,8 @@ pub fn tabulate_ratios(rows: &[OptimalRatioRow]) -> Vec<String> {
     let failing = rows.iter().find(|row| !row.holds);
     let holds =
         failing.map_or("yes".to_owned(), |row| format!("NO, at beta_s = {}", short(row.stiffness_penalty.0)));
-    vec![first.scene.clone(), first.elements.to_string(), first.mass.clone(), text, holds]
+    let elements = first.elements.map_or("-".to_owned(), |n| n.to_string());
+    vec![first.scene.clone(), elements, first.mass.clone(), text, holds]
 }
 
 /// Prints one line a run.
@@ -264,15 +293,15 @@ pub fn point_answers(solved: &Solved, rows: &[StabilityRow]) -> Vec<String> {
     let answer = |((ratio, point), row): ((Ratio, &MapPoint), &StabilityRow)| {
         let step = point.step.ok()?;
         let pure = if ratio == Ratio::PURE_PENALTY { " (pure penalty)" } else { "" };
-        let free = solved.contact_free.ok().map(|l| solved.model.critical_step(l));
-        let evidence = match solved.limit.scheme() {
-            None => format!(", omega_max = {:e} rad/s", step.omega_max),
-            Some(scheme) => match free.filter(|free| free.upper < step.lower) {
-                None => format!(", {}", scheme.name()),
+        let free = solved.contact_free.ok();
+        let evidence = match solved.limit.is_spectrum() {
+            true => format!(", omega_max = {:e} rad/s", step.omega_max),
+            false => match free.filter(|free| free.upper < step.lower) {
+                None => format!(", {}", solved.limit.name()),
                 Some(free) => format!(
                     ", {}; when the contact opens dt = {:e} s binds",
-                    scheme.name(),
-                    solved.model.time_step(free.lower)
+                    solved.limit.name(),
+                    solved.seconds_of(free.lower)
                 ),
             },
         };
@@ -286,11 +315,46 @@ pub fn point_answers(solved: &Solved, rows: &[StabilityRow]) -> Vec<String> {
             row.mass,
             short(row.stiffness_penalty.0),
             short(row.ratio.0),
-            solved.model.time_step(step.lower),
+            solved.seconds_of(step.lower),
             step.critical_courant,
         ))
     };
     points.zip(rows).filter_map(answer).collect()
+}
+
+/// What governs a point, in words: contacts and bodies of at least a tenth, and the first element.
+pub fn governing_answer(model: &AnyModel, beta_s: f64, ratio: f64, governing: &Governing) -> String {
+    const SHARE: f64 = 0.1;
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let contacts: Vec<String> =
+        governing.contacts.iter().filter(|c| c.share >= SHARE).map(ToString::to_string).collect();
+    let bodies: Vec<String> = governing
+        .bodies
+        .iter()
+        .filter(|(_, share)| *share >= SHARE)
+        .map(|(name, share)| format!("{name} {}", percent(*share)))
+        .collect();
+    let mut text = format!(
+        "{}, beta_s = {}, r = {}: {} of the elastic energy of the critical mode is in its {} contacts",
+        model.name(),
+        short(beta_s),
+        short(ratio),
+        percent(governing.contact_energy),
+        model.contacts(),
+    );
+    if governing.contact_energy >= SHARE {
+        text += &match contacts.is_empty() {
+            true => ", none of which holds a tenth".to_owned(),
+            false => format!("; of it {}", contacts.join(", ")),
+        };
+    }
+    if !bodies.is_empty() {
+        text += &format!("; in motion: {}", bodies.join(", "));
+    }
+    if let Some((element, share)) = governing.elements.first() {
+        text += &format!("; strained most: element {} ({})", element + 1, percent(*share));
+    }
+    text
 }
 
 /// A number as short as it can be written.

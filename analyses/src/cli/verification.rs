@@ -74,7 +74,7 @@ fn line(rows: &[VerifyRow]) -> Option<Vec<String>> {
     let unseen = rows.len() - judged().count();
     Some(vec![
         first.scene.clone(),
-        first.elements.to_string(),
+        first.elements.map_or_else(|| "-".to_owned(), |elements| elements.to_string()),
         first.mass.clone(),
         first.scheme.to_owned(),
         rows.len().to_string(),

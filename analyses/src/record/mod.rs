@@ -8,23 +8,24 @@
 //! # Ok::<(), analyses::error::Error>(())
 //! ```
 
+mod columns;
 mod figure_record;
 mod impact_rows;
 mod opening_rows;
-mod precision_rows;
 mod provenance;
 mod read;
 mod rows;
+mod step_rows;
 mod table;
 mod verify_rows;
 
 pub use figure_record::{Check, DataFile, FigureRecord};
 pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
 pub use opening_rows::{OpeningRow, Recommendation, scans};
-pub use precision_rows::{ExtremeRow, NumberOrRefusal, WorkRow};
 pub use provenance::Provenance;
 pub use read::{optimal_ratio_rows, stability_rows};
-pub use rows::{LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow};
+pub use rows::{GIVEN, LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow, Subject};
+pub use step_rows::StepRow;
 pub use table::Table;
 pub use verify_rows::VerifyRow;
 

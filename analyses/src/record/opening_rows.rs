@@ -103,8 +103,8 @@ impl VerifyRow {
         Some(Self {
             scene: row.scene.clone(),
             mass: row.mass.clone(),
-            gamma: row.gamma,
-            elements: row.elements,
+            gamma: Some(row.gamma),
+            elements: Some(row.elements),
             scheme: row.scheme,
             contact: "opening",
             stiffness_penalty: row.stiffness_penalty,

@@ -4,39 +4,24 @@ use std::path::Path;
 
 use super::{LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow};
 use crate::error::{Error, Refusal, Result};
-use bipenalty::schemes::SchemeName;
+use bipenalty::damping::Damping;
+use bipenalty::schemes::explicit::ExplicitName;
+use bipenalty::schemes::{SchemeName, damped};
 
-const STABILITY: [&str; 12] = [
-    "scene",
-    "mass",
-    "gamma",
-    "elements",
-    "limit",
-    "stiffness_penalty",
-    "ratio",
-    "omega_max",
-    "critical_courant",
-    "lower",
-    "upper",
-    "engine",
-];
-const OPTIMAL_RATIO: [&str; 10] = [
-    "scene",
-    "mass",
-    "gamma",
-    "elements",
-    "limit",
-    "stiffness_penalty",
-    "optimal_ratio",
-    "lower",
-    "upper",
-    "holds",
-];
+/// A row that can be read back from its file.
+pub(super) trait Row: Sized {
+    /// The columns in their order.
+    const COLUMNS: &'static [&'static str];
+    /// How many of them, from the first, are in every file.
+    const REQUIRED: usize;
+
+    fn read(cells: &Cells) -> Result<Self, Refusal>;
+}
 
 /// What a result may be, in words and as a test.
-type Kind = (&'static str, fn(f64) -> bool);
-const POSITIVE: Kind = ("a positive number, or nothing", |value| value > 0.0);
-const NOT_NEGATIVE: Kind = ("a number of at least 0, or nothing", |value| value >= 0.0);
+pub(super) type Kind = (&'static str, fn(f64) -> bool);
+pub(super) const POSITIVE: Kind = ("a positive number, or nothing", |value| value > 0.0);
+pub(super) const NOT_NEGATIVE: Kind = ("a number of at least 0, or nothing", |value| value >= 0.0);
 
 /// The rows of a file that `stability-map` or `scheme-limits` has written, also before there were steps in seconds and
 /// evidence in it. Further columns are left alone.
@@ -44,26 +29,7 @@ const NOT_NEGATIVE: Kind = ("a number of at least 0, or nothing", |value| value 
 /// # Errors
 /// A file that cannot be read; a column that is missing; the first cell with a value that no such row has, by its line.
 pub fn stability_rows(file: &Path) -> Result<Vec<StabilityRow>> {
-    rows(file, &STABILITY, |cells| {
-        Ok(StabilityRow {
-            scene: cells.word("scene")?,
-            mass: cells.word("mass")?,
-            gamma: cells.gamma()?,
-            elements: cells.elements()?,
-            limit: cells.limit()?,
-            stiffness_penalty: cells.stiffness_penalty()?,
-            ratio: cells.number("ratio", "a number above 0, or inf", |r| r > 0.0)?,
-            omega_max: cells.result("omega_max", POSITIVE)?,
-            critical_courant: cells.enclosed(["critical_courant", "lower", "upper"], POSITIVE)?,
-            lower: cells.result("lower", POSITIVE)?,
-            upper: cells.bound("upper", POSITIVE)?,
-            engine: cells.word("engine")?,
-            critical_step: cells.enclosed(["critical_step", "step_lower", "step_upper"], POSITIVE)?,
-            step_lower: cells.result("step_lower", POSITIVE)?,
-            step_upper: cells.bound("step_upper", POSITIVE)?,
-            evidence: cells.evidence()?,
-        })
-    })
+    rows(file)
 }
 
 /// The rows of a file that `optimal-ratio` or `scheme-limits` has written.
@@ -71,27 +37,11 @@ pub fn stability_rows(file: &Path) -> Result<Vec<StabilityRow>> {
 /// # Errors
 /// As [`stability_rows`].
 pub fn optimal_ratio_rows(file: &Path) -> Result<Vec<OptimalRatioRow>> {
-    rows(file, &OPTIMAL_RATIO, |cells| {
-        Ok(OptimalRatioRow {
-            scene: cells.word("scene")?,
-            mass: cells.word("mass")?,
-            gamma: cells.gamma()?,
-            elements: cells.elements()?,
-            limit: cells.limit()?,
-            stiffness_penalty: cells.stiffness_penalty()?,
-            optimal_ratio: cells.enclosed(["optimal_ratio", "lower", "upper"], NOT_NEGATIVE)?,
-            lower: cells.result("lower", NOT_NEGATIVE)?,
-            upper: cells.bound("upper", NOT_NEGATIVE)?,
-            holds: cells.parsed("holds", "true or false", |word| word.parse().ok())?,
-        })
-    })
+    rows(file)
 }
 
-fn rows<R>(
-    file: &Path,
-    required: &[&'static str],
-    row: impl Fn(&Cells) -> Result<R, Refusal>,
-) -> Result<Vec<R>> {
+fn rows<R: Row>(file: &Path) -> Result<Vec<R>> {
+    let required = &R::COLUMNS[..R::REQUIRED];
     let bytes = std::fs::read(file);
     let bytes = bytes.map_err(|source| Error::File { path: file.to_owned(), wanted: "read", source })?;
     let place = |line: u64| format!("{}, line {line}", file.display());
@@ -115,7 +65,7 @@ fn rows<R>(
     for record in reader.records() {
         let record = record.map_err(unreadable)?;
         let place = place(record.position().map_or(0, csv::Position::line));
-        rows.push(row(&Cells { place, columns: &columns, record })?);
+        rows.push(R::read(&Cells { place, columns: &columns, record })?);
     }
     if rows.is_empty() {
         return Err(Refusal::new(place(2), "the end of the file", "at least one row").into());
@@ -124,7 +74,7 @@ fn rows<R>(
 }
 
 /// The cells of one row.
-struct Cells<'a> {
+pub(super) struct Cells<'a> {
     place: String,
     columns: &'a [String],
     record: csv::StringRecord,
@@ -147,7 +97,7 @@ impl Cells<'_> {
         parse(text).ok_or_else(refused)
     }
 
-    fn word(&self, column: &str) -> Result<String, Refusal> {
+    pub(super) fn word(&self, column: &str) -> Result<String, Refusal> {
         self.parsed(column, "a word", |text| (!text.is_empty()).then(|| text.to_owned()))
     }
 
@@ -156,7 +106,7 @@ impl Cells<'_> {
     }
 
     /// A finite number of this kind, or none where nothing was found.
-    fn result(&self, column: &str, (allowed, holds): Kind) -> Result<Option<Number>, Refusal> {
+    pub(super) fn result(&self, column: &str, (allowed, holds): Kind) -> Result<Option<Number>, Refusal> {
         if self.text(column).is_empty() {
             return Ok(None);
         }
@@ -164,7 +114,7 @@ impl Cells<'_> {
     }
 
     /// As [`Self::result`], or infinite.
-    fn bound(&self, column: &str, kind: Kind) -> Result<Option<Number>, Refusal> {
+    pub(super) fn bound(&self, column: &str, kind: Kind) -> Result<Option<Number>, Refusal> {
         match self.text(column) {
             "inf" => Ok(Some(Number(f64::INFINITY))),
             _ => self.result(column, kind),
@@ -172,28 +122,36 @@ impl Cells<'_> {
     }
 
     /// What stands behind C_r; where there is no such column, what its bounds tell.
-    fn evidence(&self) -> Result<String, Refusal> {
+    pub(super) fn evidence(&self, column: &str) -> Result<String, Refusal> {
         let there = |column| !self.text(column).is_empty();
         let evidence = match (there("critical_courant"), there("lower")) {
             (true, _) => PROVEN,
             (false, true) => LOWER_BOUND,
             (false, false) => "",
         };
-        if self.columns.iter().any(|column| column == "evidence") {
-            let allowed = format!("{evidence:?} beside such bounds");
-            self.parsed("evidence", &allowed, |text| (text == evidence).then_some(()))?;
+        if !self.columns.iter().any(|known| known == column) {
+            return Ok(evidence.to_owned());
         }
-        Ok(evidence.to_owned())
+        // An enclosure may be wrong with a probability instead.
+        let chance = |text: &str| {
+            evidence == PROVEN && text.parse().is_ok_and(|wrong: f64| 0.0 < wrong && wrong < 1.0)
+        };
+        let allowed = format!("{evidence:?} beside such bounds");
+        self.parsed(column, &allowed, |text| (text == evidence || chance(text)).then(|| text.to_owned()))
     }
 
-    /// A result that lies between a lower and an upper bound; all three are there or none, or a lower bound alone, with an
-    /// infinite upper one.
-    fn enclosed(&self, columns: [&str; 3], kind: Kind) -> Result<Option<Number>, Refusal> {
-        let [column, low, high] = columns;
+    /// A result that lies between a lower and an upper bound; all three are there or none, or the bounds
+    /// alone, the upper one infinite if none is known.
+    pub(super) fn enclosed(
+        &self,
+        column: &str,
+        [low, high]: [&str; 2],
+        kind: Kind,
+    ) -> Result<Option<Number>, Refusal> {
         let (value, lower) = (self.result(column, kind)?.map(|x| x.0), self.result(low, kind)?.map(|x| x.0));
         let holds = match (value, lower, self.bound(high, kind)?.map(|x| x.0)) {
             (Some(value), Some(lower), Some(upper)) => lower <= value && value <= upper && upper.is_finite(),
-            (None, Some(_), Some(upper)) => upper.is_infinite(),
+            (None, Some(lower), Some(upper)) => lower <= upper,
             (None, None, None) => true,
             _ => false,
         };
@@ -202,25 +160,42 @@ impl Cells<'_> {
         })
     }
 
-    fn gamma(&self) -> Result<Number, Refusal> {
-        self.number("gamma", "a number in [0, 1]", |gamma| (0.0..=1.0).contains(&gamma))
+    pub(super) fn gamma(&self, column: &str) -> Result<Option<Number>, Refusal> {
+        self.result(column, ("a number in [0, 1], or nothing", |gamma| (0.0..=1.0).contains(&gamma)))
     }
 
-    fn elements(&self) -> Result<usize, Refusal> {
-        self.parsed("elements", "an integer of at least 1", |text| text.parse().ok().filter(|n| *n >= 1))
+    pub(super) fn elements(&self, column: &str) -> Result<Option<usize>, Refusal> {
+        let count = |text: &str| match text {
+            "" => Some(None),
+            text => text.parse().ok().filter(|n| *n >= 1).map(Some),
+        };
+        self.parsed(column, "an integer of at least 1, or nothing", count)
     }
 
-    fn stiffness_penalty(&self) -> Result<Number, Refusal> {
+    pub(super) fn ratio(&self, column: &str) -> Result<Number, Refusal> {
+        self.number(column, "a number above 0, or inf", |r| r > 0.0)
+    }
+
+    pub(super) fn truth(&self, column: &str) -> Result<bool, Refusal> {
+        self.parsed(column, "true or false", |word| word.parse().ok())
+    }
+
+    pub(super) fn stiffness_penalty(&self, column: &str) -> Result<Number, Refusal> {
         let allowed = "a finite number of at least 0";
-        self.number("stiffness_penalty", allowed, |beta_s| beta_s >= 0.0 && beta_s.is_finite())
+        self.number(column, allowed, |beta_s| beta_s >= 0.0 && beta_s.is_finite())
     }
 
-    fn limit(&self) -> Result<&'static str, Refusal> {
-        const SCHEMES: [SchemeName; 3] =
-            [SchemeName::CentralDifference, SchemeName::PredictorCorrector, SchemeName::Park];
-        let names = SCHEMES.map(SchemeName::name);
-        let known = || names.into_iter().chain(["spectrum"]);
+    pub(super) fn limit(&self, column: &str) -> Result<&'static str, Refusal> {
+        let schemes = || SchemeName::PAPER.into_iter();
+        // Damped schemes have names of their own.
+        let lagging = Damping::new(1.0, 0.0, 0.0)?;
+        let damped = schemes().filter_map(|name| Some(damped(name, lagging).ok()?.facts().name));
+        let damped: Vec<&'static str> = damped.collect();
+        let known = || {
+            let others = ExplicitName::ALL.into_iter().map(ExplicitName::name);
+            schemes().map(SchemeName::name).chain(["spectrum"]).chain(others).chain(damped.iter().copied())
+        };
         let allowed = known().collect::<Vec<_>>().join(", ");
-        self.parsed("limit", &allowed, |text| known().find(|name| *name == text))
+        self.parsed(column, &allowed, |text| known().find(|name| *name == text))
     }
 }

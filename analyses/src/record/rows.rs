@@ -2,8 +2,11 @@
 
 use serde::{Serialize, Serializer};
 
-use bipenalty::spectrum::Uncertified;
-use bipenalty::stability::{CriticalStep, Curve, Model, OptimalRatio};
+use super::columns::columns;
+use super::read::{NOT_NEGATIVE, POSITIVE};
+use crate::error::Refusal;
+use bipenalty::spectrum::{Evidence, Uncertified};
+use bipenalty::stability::{AnyModel, CriticalStep, Curve, Model, OptimalRatio};
 
 /// A number that may be infinite: written as the number, or as `inf`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,41 +21,105 @@ impl Serialize for Number {
     }
 }
 
-/// One point of a stability map.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StabilityRow {
+/// What every row says of its model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Subject {
+    scene: String,
+    mass: String,
+    gamma: Option<Number>,
+    elements: Option<usize>,
+    /// C_r/dt_cr, 1/s.
+    rate: f64,
+    /// The smallest scale of the contacts, N/m, if there are any.
+    scale: Option<f64>,
+    /// omega_ref^2, rad^2/s^2.
+    reference: f64,
+}
+
+/// The mass matrix of a scene that brings its own.
+pub const GIVEN: &str = "given";
+
+impl Subject {
+    /// Of bars.
+    pub fn of_bars(model: &Model) -> Self {
+        Self {
+            scene: model.scene().name().to_owned(),
+            mass: model.mass().name(),
+            gamma: Some(Number(model.mass().gamma())),
+            elements: Some(model.scene().elements()),
+            rate: model.reference_rate().sqrt(),
+            scale: model.scales().iter().map(|scale| scale.stiffness).reduce(f64::min),
+            reference: model.reference_eigenvalue(),
+        }
+    }
+
+    /// Of any model.
+    ///
+    /// # Errors
+    /// As [`AnyModel::reference`].
+    pub fn of(model: &AnyModel) -> Result<Self, Refusal> {
+        if let AnyModel::Bars(model) = model {
+            return Ok(Self::of_bars(model));
+        }
+        let reference = model.reference()?;
+        Ok(Self {
+            scene: model.name().to_owned(),
+            mass: model.mass().map_or(GIVEN.to_owned(), |mass| mass.name()),
+            gamma: model.mass().map(|mass| Number(mass.gamma())),
+            elements: model.elements(),
+            rate: 0.5 * reference.sqrt(),
+            scale: model.smallest_scale(),
+            reference,
+        })
+    }
+
+    /// The smallest scale of the contacts, N/m: what beta_s multiplies there. `None` without contacts.
+    pub fn scale(&self) -> Option<f64> {
+        self.scale
+    }
+}
+
+columns! {
+    /// One point of a stability map.
+    StabilityRow, 12 required:
     /// Name of the scene.
-    pub scene: String,
-    /// `lumped`, `averaged`, `consistent`, or gamma.
-    pub mass: String,
-    /// gamma of the mass matrix.
-    pub gamma: Number,
-    /// Elements of all bars.
-    pub elements: usize,
+    scene: String = word(),
+    /// `lumped`, `averaged`, `consistent`, gamma, or [`GIVEN`] for matrices that bring their own.
+    mass: String = word(),
+    /// gamma of the mass matrix; empty for matrices.
+    gamma: Option<Number> = gamma(),
+    /// Elements of all bars or bodies; empty for matrices.
+    elements: Option<usize> = elements(),
     /// Whose limit: the spectrum's or a scheme's.
-    pub limit: &'static str,
+    limit: &'static str = limit(),
     /// beta_s.
-    pub stiffness_penalty: Number,
+    stiffness_penalty: Number = stiffness_penalty(),
     /// r.
-    pub ratio: Number,
+    ratio: Number = ratio(),
     /// omega_max, rad/s; empty for a limit other than the spectrum's, and where nothing could be certified.
-    pub omega_max: Option<Number>,
-    /// C_r = c0 dt_cr/h of the reference element; empty where it could not be certified or is known from below only.
-    pub critical_courant: Option<Number>,
-    /// Proven lower bound of C_r.
-    pub lower: Option<Number>,
-    /// Proven upper bound of C_r; infinite where it is known from below only.
-    pub upper: Option<Number>,
+    omega_max: Option<Number> = result(POSITIVE),
+    /// C_r: for bars c0 dt_cr/h of the reference element, for matrices and meshes omega_ref dt_cr/2; empty where it could
+    /// not be certified or is known from below only.
+    critical_courant: Option<Number> = enclosed(["lower", "upper"], POSITIVE),
+    /// Lower bound of C_r.
+    lower: Option<Number> = result(POSITIVE),
+    /// Upper bound of C_r; infinite where none is known.
+    upper: Option<Number> = bound(POSITIVE),
     /// The engine that found the value; "not certified" is appended where it could not be proven.
-    pub engine: String,
+    engine: String = word(),
     /// dt_cr, s; empty as `critical_courant`.
-    pub critical_step: Option<Number>,
-    /// Proven lower bound of dt_cr, s.
-    pub step_lower: Option<Number>,
-    /// Proven upper bound of dt_cr, s; infinite where it is known from below only.
-    pub step_upper: Option<Number>,
-    /// [`PROVEN`] for an enclosed limit, [`LOWER_BOUND`], or empty where nothing could be certified.
-    pub evidence: String,
+    critical_step: Option<Number> = enclosed(["step_lower", "step_upper"], POSITIVE),
+    /// Lower bound of dt_cr, s.
+    step_lower: Option<Number> = result(POSITIVE),
+    /// Upper bound of dt_cr, s; infinite where none is known.
+    step_upper: Option<Number> = bound(POSITIVE),
+    /// [`PROVEN`] for an enclosed limit, [`LOWER_BOUND`], the probability that the enclosure is wrong, or empty where nothing
+    /// could be certified.
+    evidence: String = evidence(),
+    /// s = beta_s w, N/m, of the contact of smallest scale w, the softest; empty without contacts.
+    penalty_stiffness: Option<Number> = result(NOT_NEGATIVE),
+    /// m = s/(r omega_ref^2), kg, of the same contact.
+    penalty_mass: Option<Number> = result(NOT_NEGATIVE),
 }
 
 /// The evidence of a limit that lies between its bounds.
@@ -72,26 +139,28 @@ impl StabilityRow {
     }
 
     /// The rows of `curves`, curve by curve.
-    pub fn of(model: &Model, limit: &'static str, curves: &[Curve]) -> Vec<Self> {
+    pub fn of(subject: &Subject, limit: &'static str, curves: &[Curve]) -> Vec<Self> {
         let rows = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve.ratio, point)));
         rows.map(|(ratio, point)| {
             let engine = point.engine;
             let step: Result<CriticalStep, Uncertified> = point.step;
+            let stiffness = subject.scale.map(|scale| point.stiffness_penalty.get() * scale);
             let number = |f: fn(CriticalStep) -> f64| step.ok().map(|step| Number(f(step)));
             let found = step.ok().filter(|step| !step.is_lower_bound()).map(|step| step.critical_courant);
             // A root and a quotient more than in C_r.
             let margin = 2.0 * f64::EPSILON;
-            let seconds = |courant: f64, kept: f64| Number(model.time_step(courant) * kept);
-            let evidence = match step {
-                Ok(step) if step.is_lower_bound() => LOWER_BOUND,
-                Ok(_) => PROVEN,
-                Err(_) => "",
+            let seconds = |courant: f64, kept: f64| Number(courant / subject.rate * kept);
+            let evidence = match step.map(|step| step.evidence) {
+                Ok(Evidence::LowerBound) => LOWER_BOUND.to_owned(),
+                Ok(Evidence::Proven) => PROVEN.to_owned(),
+                Ok(Evidence::Probability(wrong)) => format!("{wrong:e}"),
+                Err(_) => String::new(),
             };
             Self {
-                scene: model.scene().name().to_owned(),
-                mass: model.mass().name(),
-                gamma: Number(model.mass().gamma()),
-                elements: model.scene().elements(),
+                scene: subject.scene.clone(),
+                mass: subject.mass.clone(),
+                gamma: subject.gamma,
+                elements: subject.elements,
                 limit,
                 stiffness_penalty: Number(point.stiffness_penalty.get()),
                 ratio: Number(ratio.get()),
@@ -103,44 +172,46 @@ impl StabilityRow {
                 critical_step: found.map(|courant| seconds(courant, 1.0)),
                 step_lower: step.ok().map(|step| seconds(step.lower, 1.0 - margin)),
                 step_upper: step.ok().map(|step| seconds(step.upper, 1.0 + margin)),
-                evidence: evidence.to_owned(),
+                evidence,
+                penalty_stiffness: stiffness.map(Number),
+                penalty_mass: stiffness.map(|s| Number(s / (ratio.get() * subject.reference))),
             }
         })
         .collect()
     }
 }
 
-/// One optimal ratio.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct OptimalRatioRow {
+columns! {
+    /// One optimal ratio.
+    OptimalRatioRow, 10 required:
     /// Name of the scene.
-    pub scene: String,
-    /// `lumped`, `averaged`, `consistent`, or gamma.
-    pub mass: String,
-    /// gamma of the mass matrix.
-    pub gamma: Number,
-    /// Elements of all bars.
-    pub elements: usize,
+    scene: String = word(),
+    /// As in [`StabilityRow`].
+    mass: String = word(),
+    /// gamma of the mass matrix; empty for matrices.
+    gamma: Option<Number> = gamma(),
+    /// Elements of all bars or bodies; empty for matrices.
+    elements: Option<usize> = elements(),
     /// Whose limit.
-    pub limit: &'static str,
+    limit: &'static str = limit(),
     /// beta_s.
-    pub stiffness_penalty: Number,
+    stiffness_penalty: Number = stiffness_penalty(),
     /// The largest r that costs no time step; empty where no ratio provably costs one, and where the limit is known from
     /// below only.
-    pub optimal_ratio: Option<Number>,
+    optimal_ratio: Option<Number> = enclosed(["lower", "upper"], NOT_NEGATIVE),
     /// Proven lower bound.
-    pub lower: Option<Number>,
+    lower: Option<Number> = result(NOT_NEGATIVE),
     /// Proven upper bound; infinite where the limit is known from below only.
-    pub upper: Option<Number>,
+    upper: Option<Number> = bound(NOT_NEGATIVE),
     /// Whether the enclosure contains the expected ratio, where one is found and expected.
-    pub holds: bool,
+    holds: bool = truth(),
 }
 
 impl OptimalRatioRow {
     /// The row of `found` at beta_s for a limit, held against the `expected` ratio; `None` if no ratio should cost a
     /// step.
     pub fn new(
-        model: &Model,
+        subject: &Subject,
         limit: &'static str,
         beta_s: f64,
         found: Option<OptimalRatio>,
@@ -153,10 +224,10 @@ impl OptimalRatioRow {
             None => false,
         };
         Self {
-            scene: model.scene().name().to_owned(),
-            mass: model.mass().name(),
-            gamma: Number(model.mass().gamma()),
-            elements: model.scene().elements(),
+            scene: subject.scene.clone(),
+            mass: subject.mass.clone(),
+            gamma: subject.gamma,
+            elements: subject.elements,
             limit,
             stiffness_penalty: Number(beta_s),
             optimal_ratio: found.filter(|found| found.upper.is_finite()).map(|found| Number(found.value)),

@@ -2,22 +2,23 @@
 
 use serde::Serialize;
 
-use super::Number;
+use super::{GIVEN, Number};
 use bipenalty::schemes::Scheme;
-use bipenalty::stability::Model;
+use bipenalty::stability::AnyModel;
 use bipenalty::verify::{Confirmation, Point};
 
-/// A predicted limit beside the one that stepping found; Courant numbers are c0 dt/h of the reference element.
+/// A predicted limit beside the one that stepping found; Courant numbers are c0 dt/h of the reference element of bars, and
+/// omega_ref dt/2 of matrices and meshes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifyRow {
     /// Name of the scene.
     pub scene: String,
-    /// `lumped`, `averaged`, `consistent`, or gamma.
+    /// `lumped`, `averaged`, `consistent`, gamma, or [`GIVEN`] for matrices that bring their own.
     pub mass: String,
-    /// gamma of the mass matrix.
-    pub gamma: Number,
-    /// Elements of all bars.
-    pub elements: usize,
+    /// gamma of the mass matrix; empty for matrices.
+    pub gamma: Option<Number>,
+    /// Elements of all bars or bodies; empty for matrices.
+    pub elements: Option<usize>,
     /// Name of the scheme.
     pub scheme: &'static str,
     /// `closed`: the contacts are held closed; `opening`: they open and close, see [`VerifyRow::opening`].
@@ -50,16 +51,16 @@ pub struct VerifyRow {
 
 impl VerifyRow {
     /// The row of one point with contacts held closed.
-    pub fn new(model: &Model, scheme: &dyn Scheme, point: Point, confirmation: &Confirmation) -> Self {
+    pub fn new(model: &AnyModel, scheme: &dyn Scheme, point: Point, confirmation: &Confirmation) -> Self {
         let Confirmation { predicted, found, agrees } = confirmation;
         let predicted = predicted.as_ref();
         let islands = predicted.iter().flat_map(|predicted| &predicted.islands);
         let islands = islands.map(|(low, high)| format!("{low:.6}-{high:.6}"));
         Self {
-            scene: model.scene().name().to_owned(),
-            mass: model.mass().name(),
-            gamma: Number(model.mass().gamma()),
-            elements: model.scene().elements(),
+            scene: model.name().to_owned(),
+            mass: model.mass().map_or_else(|| GIVEN.to_owned(), |mass| mass.name()),
+            gamma: model.mass().map(|mass| Number(mass.gamma())),
+            elements: model.elements(),
             scheme: scheme.facts().name,
             contact: "closed",
             stiffness_penalty: Number(point.stiffness_penalty.get()),

@@ -211,7 +211,7 @@ class SteppedLimit:
     unstable_at: float
     """The next step that was tried, at which one did, s."""
     predicted: float
-    """The predicted limit, s; it only said where to look first."""
+    """The predicted limit, s; it only said where to look first. NaN where none is derived."""
     agrees: bool | None
     """Whether the prediction lies within the tolerance of the two; None where growth is too slow to be seen."""
     growth: float
@@ -227,15 +227,11 @@ class SteppedLimit:
 
     def __repr__(self) -> str:
         """Answer in a sentence."""
-        said = {
-            True: "as predicted",
-            False: "NOT as predicted",
-            None: "growth too slow to judge the prediction",
-        }
-        return (
-            f"{self.scheme}: stable at dt = {_digits(self.stable_at)} s, unstable at {_digits(self.unstable_at)} s, "
-            f"{said[self.agrees]} ({_digits(self.predicted)} s), for {_penalty(self.beta_s, self.ratio)}"
-        )
+        said = {True: "as predicted", False: "NOT as predicted", None: "growth too slow to judge the prediction"}
+        judged = f"{said[self.agrees]} ({_digits(self.predicted)} s)"
+        steps = f"stable at dt = {_digits(self.stable_at)} s, unstable at {_digits(self.unstable_at)} s"
+        beside = "no prediction" if np.isnan(self.predicted) else judged
+        return f"{self.scheme}: {steps}, {beside}, for {_penalty(self.beta_s, self.ratio)}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,16 +27,15 @@ impl Asked {
 }
 
 fn limit_of(limit: &str, theta: Option<f64>) -> Result<LimitOf, Refusal> {
-    if let Some(theta) = theta.filter(|_| limit != SchemeName::Park.name()) {
-        let allowed = format!("none with the limit {limit}, or the limit park");
-        return Err(Refusal::new("theta", theta, allowed));
-    }
-    if limit == LimitOf::Spectrum.name() {
+    if limit == LimitOf::Spectrum.name() && theta.is_none() {
         return Ok(LimitOf::Spectrum);
     }
     let names =
         || format!("{}, {}", LimitOf::Spectrum.name(), SchemeName::ALL.map(SchemeName::name).join(", "));
     let refusal = |_| Refusal::new("limit", format!("{limit:?}"), names());
+    if let (true, Some(theta)) = (limit == LimitOf::Spectrum.name(), theta) {
+        return Err(Refusal::new("theta", theta, "none with the limit spectrum, or park"));
+    }
     let scheme: SchemeName = limit.parse().map_err(refusal)?;
     scheme_of(scheme.name(), theta).map(LimitOf::Scheme)
 }
@@ -47,6 +46,9 @@ fn limit_of(limit: &str, theta: Option<f64>) -> Result<LimitOf, Refusal> {
 /// A name that is not known; a theta outside [0, 1].
 pub fn scheme_of(name: &str, theta: Option<f64>) -> Result<Arc<dyn Scheme>, Refusal> {
     let name: SchemeName = name.parse()?;
+    if let Some(theta) = theta.filter(|_| name != SchemeName::Park) {
+        return Err(Refusal::new("theta", theta, format!("none with {}, or park", name.name())));
+    }
     match theta {
         Some(theta) => name.with_theta(theta),
         None => Ok(name.into()),

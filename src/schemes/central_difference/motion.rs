@@ -205,12 +205,7 @@ impl Motion for Steps {
         let energy = self.body.energy(&self.state, &velocity);
         self.next = velocity;
         let shadow = -0.125 * self.body.pencil.mass().quadratic(&self.kick, &self.kick);
-        let stored = |j: usize| {
-            let velocity = self.state.gap_velocity[j] + 0.5 * self.gap_kick[j];
-            let (s, m) = self.body.contacts.terms[j];
-            0.5 * (s * self.state.gap[j] * self.state.gap[j] + m * velocity * velocity)
-        };
-        let penalty = (0..self.body.contacts.len()).filter(|j| self.state.closed[*j]).map(stored).sum();
+        let penalty = self.state.penalty_energy(&self.body.contacts.terms, &self.gap_kick);
         Energy { penalty, loss: self.state.balance_work - penalty + shadow, ..energy }
     }
 }

@@ -8,52 +8,61 @@
 //! ```
 //! With q = c_1/2 + sqrt(c_1^2/4 + b c_0) its poles are c_0/q > 0 and -q/b < 0, and with e = b c_0/q its partial
 //! fractions are p/(c_0/q - x) - v/(x + q/b), p = (a + e)/(e + q), v = (e - w)/(e + q) >= 0, as a - q = w - e. For small
-//! steps both poles are far and their terms cancel; there the power series takes over.
+//! steps both poles are far and their terms cancel, to the share alpha^(1/2) of either.
+
+use crate::double_double::Real;
 
 /// The partial fractions of the characteristic function.
+///
+/// At z = -1 w takes 5 roundings, q at most 16, e and the poles 24. There e = w/q and q <= 0.6, so that e - w is
+/// less than 2.5 times as inexact as e: the fractions take fewer than [`Fractions::ROUNDINGS`].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Fractions {
+pub(super) struct Fractions<T> {
     /// The pole above the spectrum over l_n.
-    pub above: f64,
-    /// Minus the pole below zero over l_n; infinite without pullback.
-    pub below: f64,
+    pub above: T,
+    /// Minus the pole below zero over l_n; `None` without pullback.
+    pub below: Option<T>,
     /// p.
-    pub gain: f64,
+    pub gain: T,
     /// v.
-    pub loss: f64,
-    /// a, b, c_0, c_1.
-    pub coefficients: [f64; 4],
+    pub loss: T,
 }
 
 /// w and [a, b, c_0, c_1] for the multiplier -1 - `growth`.
-pub(super) fn coefficients(theta: f64, alpha: f64, growth: f64) -> (f64, [f64; 4]) {
-    let w = theta * alpha * (1.0 - alpha) * (1.0 + alpha) / 6.0;
-    let c0 = 2.0 + growth;
-    let c1 = alpha * alpha * ((1.0 + growth) / c0);
-    let b = 0.5 * w * (1.0 + alpha * (growth / c0));
+pub(super) fn coefficients<T: Real>(theta: f64, alpha: f64, growth: f64) -> (T, [T; 4]) {
+    let [theta, alpha, growth, one] = [theta, alpha, growth, 1.0].map(T::from);
+    let w = theta * alpha * (one - alpha) * (one + alpha) / T::from(6.0);
+    let c0 = T::from(2.0) + growth;
+    let c1 = alpha * alpha * ((one + growth) / c0);
+    let b = w * (one + alpha * (growth / c0)) / T::from(2.0);
     (w, [c1 + w, b, c0, c1])
 }
 
-impl Fractions {
+impl<T: Real> Fractions<T> {
+    /// More than any of the fractions and poles takes.
+    pub const ROUNDINGS: f64 = 128.0;
+
     /// For the multiplier -1 - `growth`.
     pub fn new(theta: f64, alpha: f64, growth: f64) -> Self {
-        let (w, coefficients) = coefficients(theta, alpha, growth);
-        let [a, b, c0, c1] = coefficients;
-        let q = 0.5 * c1 + (0.5 * c1).hypot((b * c0).sqrt());
+        let (w, [a, b, c0, c1]) = coefficients::<T>(theta, alpha, growth);
+        let half = c1 / T::from(2.0);
+        let q = half + hypotenuse(half, (b * c0).sqrt());
         let e = b * (c0 / q);
+        let loss = if e > w { (e - w) / (e + q) } else { T::from(0.0) };
         // Over l_n: x = 4 l/l_n.
+        let quarter = T::from(0.25);
         Self {
-            above: 0.25 * c0 / q,
-            below: 0.25 * q / b,
+            above: quarter * c0 / q,
+            below: (b > T::from(0.0)).then(|| quarter * q / b),
             gain: (a + e) / (e + q),
-            loss: (e - w).max(0.0) / (e + q),
-            coefficients,
+            loss,
         }
     }
+}
 
-    /// Whether the poles are so far from the spectrum that the power series is the better form.
-    pub fn is_far(&self) -> bool {
-        let [_, b, c0, c1] = self.coefficients;
-        4.0 * c1 + 16.0 * b <= 0.25 * c0
-    }
+/// (x^2 + y^2)^(1/2) of positive numbers, without their squares.
+fn hypotenuse<T: Real>(x: T, y: T) -> T {
+    let (small, large) = if x < y { (x, y) } else { (y, x) };
+    let share = small / large;
+    large * (T::from(1.0) + share * share).sqrt()
 }

@@ -7,8 +7,8 @@
 //! det(I - C W) = 0      W(dt) = sum_i (Z'x_i)(Z'x_i)' (a + b l_i)/(2 - dt^2 l_i/2 - b l_i^2)
 //! ```
 //! The denominator has one root above l_n and one below 0; the partial fractions express W by Z'(K - l M)^-1 Z at the
-//! two, an elimination of the rows each ([`Flexibility`](crate::spectrum::Flexibility)); for small steps a power series
-//! with positive terms does. With dt_c = 2/sqrt(l_n), l_n as
+//! two, an elimination of the rows each ([`Flexibility`](crate::spectrum::Flexibility)). For small steps the two cancel:
+//! f64 finds the root, and two signs in double-double arithmetic prove it. With dt_c = 2/sqrt(l_n), l_n as
 //! computed, and theta in [0, 1] every term of W increases with alpha in (0, 1): the numerator does, since
 //! d/d alpha (a + b l) >= dt_c^2 [alpha + theta (1 - 3 alpha^2)(1 + 2 x)/6] > 0 with x = l/l_n in [0, 1], and the
 //! denominator decreases likewise. So C W reaches its first eigenvalue 1 once, and never again falls below.
@@ -47,21 +47,28 @@
 //! For large s' the Park limit falls like 1/s' (theta > 0: W ~ w for small steps), faster than the 1/sqrt(s') of the others;
 //! and every contact that moves the top mode costs step at every ratio, since W grows without bound at dt_c.
 
-use super::fractions::{Fractions, coefficients};
-use super::moments::Moments;
+use super::fractions::coefficients;
+use super::sign::{Sign, Tilt};
+use crate::double_double::{Dd, Real};
 use crate::error::Refusal;
-use crate::pencil::{Penalty, Pencil, Terms, Tridiagonal};
-use crate::schemes::closed::{COMPLIANCE_ERROR, ClosedContacts};
-use crate::spectrum::{
-    Enclosure, Engine, Step, StepLimit, UNIT_ROUNDOFF, Uncertified, WIDEST_ENCLOSURE, certify,
-    find_sign_change,
-};
+use crate::pencil::{Penalty, Pencil};
+use crate::schemes::closed::ClosedContacts;
+use crate::spectrum::{Enclosure, Engine, Step, StepLimit, Uncertified, certify, find_sign_change};
+
+/// Half the width of the enclosure of alpha, relative: what a root found in f64 is off by where nothing cancels.
+const SPREAD: f64 = 16.0 * f64::EPSILON;
+
+/// Products of alpha^4 are held in double-double arithmetic.
+const SMALLEST: f64 = 1e-50;
 
 /// The limit of the Park scheme for a row of bars.
 pub(super) struct ParkLimit<'a> {
     closed: ClosedContacts<'a>,
     theta: f64,
-    moments: Moments,
+    /// Finds.
+    sign: Option<Sign<f64>>,
+    /// Proves.
+    proof: Option<Sign<Dd>>,
 }
 
 impl<'a> ParkLimit<'a> {
@@ -71,8 +78,8 @@ impl<'a> ParkLimit<'a> {
     /// A pencil that is no chain, and a contact-free l_max that cannot be certified.
     pub fn new(pencil: &'a Pencil, spectrum: Box<dyn Engine + 'a>, theta: f64) -> Result<Self, Refusal> {
         let closed = ClosedContacts::new(pencil, spectrum, "park")?;
-        let moments = Moments::new(closed.pencil, 4.0 / closed.contact_free.value);
-        Ok(Self { closed, theta, moments })
+        let (sign, proof) = (Sign::new(&closed, theta), Sign::new(&closed, theta));
+        Ok(Self { closed, theta, sign, proof })
     }
 }
 
@@ -82,13 +89,13 @@ impl StepLimit for ParkLimit<'_> {
     }
 
     fn enclose(&self, penalty: &Penalty, _start: Option<f64>) -> Result<Step, Uncertified> {
-        self.closed.with_terms(penalty, |terms| self.of_terms(terms)).map(Step::proven)
+        self.closed.with_terms(penalty, |_| self.of_penalty(penalty)).map(Step::proven)
     }
 
     /// `None` for a step beyond dt_c with a contact that moves the top mode.
     fn growth(&self, penalty: &Penalty, step: &Step, excess: f64) -> Option<f64> {
         let relative = excess * (self.closed.contact_free.value / step.l.value).sqrt();
-        self.growth_at(&self.closed.pencil.terms(penalty), relative).map(f64::ln_1p)
+        self.growth_at(penalty, relative).map(f64::ln_1p)
     }
 
     /// The scheme meets a stiff contact with the displacement that velocities have made in a step, dt/dt_c of what they
@@ -99,7 +106,7 @@ impl StepLimit for ParkLimit<'_> {
 
     /// Only what does not act at all.
     fn costs_nothing(&self, penalty: &Penalty) -> bool {
-        self.closed.contact_eigenvalue(&self.closed.pencil.terms(penalty)) == 0.0
+        !self.acts(penalty)
     }
 
     /// 0: each ratio costs.
@@ -112,59 +119,52 @@ impl StepLimit for ParkLimit<'_> {
         if self.closed.compliance.diagonal.len() != 1 || l < self.closed.contact_free.value {
             return None;
         }
-        let w = self.effective_flexibility((self.closed.contact_free.value / l).sqrt())?;
+        let alpha = (self.closed.contact_free.value / l).sqrt();
+        let w = self.proof.as_ref()?.effective_flexibility(&self.closed, alpha)?;
         Some((w, self.closed.first_compliance()))
     }
 }
 
-/// Which way the errors of W are tilted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Tilt {
-    None,
-    /// W as large as its error allows: a stable sign is proven.
-    Pessimistic,
-    /// W as small as its error allows: an unstable sign is proven.
-    Optimistic,
-}
-
-impl Tilt {
-    fn sign(self) -> f64 {
-        match self {
-            Self::None => 0.0,
-            Self::Pessimistic => 1.0,
-            Self::Optimistic => -1.0,
-        }
-    }
-}
-
 impl ParkLimit<'_> {
-    fn of_terms(&self, terms: &[Terms]) -> Result<Enclosure, Uncertified> {
+    fn acts(&self, penalty: &Penalty) -> bool {
+        self.closed.contact_eigenvalue(&self.closed.pencil.terms(penalty)) > 0.0
+    }
+
+    fn of_penalty(&self, penalty: &Penalty) -> Result<Enclosure, Uncertified> {
         let free = self.closed.contact_free;
-        if self.closed.contact_eigenvalue(terms) == 0.0 {
+        if !self.acts(penalty) {
             return certify(free);
         }
-        let alpha = self.alpha(terms);
-        // Two signs with the error of W on the right side prove the value; the interval widens until they do.
-        let mut spread = 4.0 * f64::EPSILON;
-        while spread < WIDEST_ENCLOSURE {
-            let (low, high) = (alpha * (1.0 - spread), (alpha * (1.0 + spread)).min(1.0));
-            let stable = self.margin(terms, low, 0.0, Tilt::Pessimistic) > 0.0;
-            let (l_low, l_high) = (free.value / (high * high), free.value / (low * low));
-            if stable && (high == 1.0 || self.margin(terms, high, 0.0, Tilt::Optimistic) < 0.0) {
-                let rounding = 4.0 * f64::EPSILON;
-                // At dt_c the contact-free scheme itself ends, at the exact l_n.
-                let lower = if high == 1.0 { free.lower } else { l_low * (1.0 - rounding) };
-                let value = free.value / (alpha * alpha);
-                return certify(Enclosure { value, lower, upper: l_high * (1.0 + rounding) });
-            }
-            spread *= 1.25;
+        let unheld = || Uncertified { value: f64::NAN, width: f64::INFINITY };
+        let (sign, proof) = self.sign.as_ref().zip(self.proof.as_ref()).ok_or_else(unheld)?;
+        let found = self.alpha(sign, penalty);
+        self.prove(proof, penalty, found).or_else(|_| {
+            // Where the fractions cancel f64 has lost digits.
+            self.prove(proof, penalty, self.near(proof, penalty, found))
+        })
+    }
+
+    /// The enclosure of the root `alpha`, if the signs on either side are proven.
+    fn prove(&self, proof: &Sign<Dd>, penalty: &Penalty, alpha: f64) -> Result<Enclosure, Uncertified> {
+        let free = self.closed.contact_free;
+        let (low, high) = (alpha * (1.0 - SPREAD), (alpha * (1.0 + SPREAD)).min(1.0));
+        let margin = |alpha: f64, tilt: Tilt| proof.margin(&self.closed, penalty, alpha, 0.0, tilt);
+        let value = free.value / (alpha * alpha);
+        let holds = low > SMALLEST
+            && margin(low, Tilt::Pessimistic) > 0.0
+            && (high == 1.0 || margin(high, Tilt::Optimistic) < 0.0);
+        if !holds {
+            return Err(Uncertified { value, width: f64::INFINITY });
         }
-        Err(Uncertified { value: free.value / (alpha * alpha), width: f64::INFINITY })
+        let rounding = 4.0 * f64::EPSILON;
+        // At dt_c the contact-free scheme itself ends, at the exact l_n.
+        let lower = if high == 1.0 { free.lower } else { free.value / (high * high) * (1.0 - rounding) };
+        certify(Enclosure { value, lower, upper: free.value / (low * low) * (1.0 + rounding) })
     }
 
     /// The alpha in (0, 1] at which the margin changes sign.
-    fn alpha(&self, terms: &[Terms]) -> f64 {
-        let deficit = |alpha: f64| -self.margin(terms, alpha, 0.0, Tilt::None);
+    fn alpha<T: Real>(&self, sign: &Sign<T>, penalty: &Penalty) -> f64 {
+        let deficit = |alpha: f64| -sign.margin(&self.closed, penalty, alpha, 0.0, Tilt::None);
         let mut high = (1.0, deficit(1.0));
         if high.1 < 0.0 {
             return 1.0;
@@ -182,18 +182,40 @@ impl ParkLimit<'_> {
         low + 0.5 * (high - low)
     }
 
+    /// The same next to `found`.
+    fn near<T: Real>(&self, sign: &Sign<T>, penalty: &Penalty, found: f64) -> f64 {
+        let deficit = |alpha: f64| -sign.margin(&self.closed, penalty, alpha, 0.0, Tilt::None);
+        let at = |alpha: f64| (alpha, deficit(alpha));
+        let (mut low, mut high) = (at(found), at(found));
+        let mut distance = SPREAD;
+        while low.1 >= 0.0 && low.0 > SMALLEST {
+            (low, high) = (at(low.0 * (1.0 - distance)), low);
+            distance = (8.0 * distance).min(0.5);
+        }
+        distance = SPREAD;
+        while high.1 < 0.0 && high.0 < 1.0 {
+            (low, high) = (high, at((high.0 * (1.0 + distance)).min(1.0)));
+            distance *= 8.0;
+        }
+        if high.1 < 0.0 {
+            return 1.0;
+        }
+        let (low, high) = find_sign_change(low, high, 2.0 * f64::EPSILON, deficit);
+        low + 0.5 * (high - low)
+    }
+
     /// |z| - 1 > 0 of the real multiplier beyond -1 at dt = `alpha` dt_c: the growth in a step just above the limit.
     /// 0 below the limit. Beyond dt_c that of the top mode, if no contact moves it.
-    fn growth_at(&self, terms: &[Terms], alpha: f64) -> Option<f64> {
+    fn growth_at(&self, penalty: &Penalty, alpha: f64) -> Option<f64> {
+        let (sign, proof) = (self.sign.as_ref()?, self.proof.as_ref()?);
         let margin = |growth: f64| {
             if alpha > 1.0 {
                 self.top_margin(alpha, growth)
             } else {
-                self.margin(terms, alpha, growth, Tilt::None)
+                proof.margin(&self.closed, penalty, alpha, growth, Tilt::None)
             }
         };
-        let touched = self.closed.contact_eigenvalue(terms) > 0.0;
-        if alpha > 1.0 && touched && self.alpha(terms) < 1.0 {
+        if alpha > 1.0 && self.acts(penalty) && self.alpha(sign, penalty) < 1.0 {
             return None;
         }
         if margin(0.0) >= 0.0 {
@@ -210,102 +232,7 @@ impl ParkLimit<'_> {
 
     /// c_0 - c_1 x - b x^2 of the contact-free top mode, x = 4.
     fn top_margin(&self, alpha: f64, growth: f64) -> f64 {
-        let (_, [_, b, c0, c1]) = coefficients(self.theta, alpha, growth);
+        let (_, [_, b, c0, c1]) = coefficients::<f64>(self.theta, alpha, growth);
         c0 - 4.0 * c1 - 16.0 * b
-    }
-
-    /// W of the single contact at alpha, m/N.
-    fn effective_flexibility(&self, alpha: f64) -> Option<f64> {
-        let (gained, lost) = self.sides(Fractions::new(self.theta, alpha, 0.0), Tilt::None)?;
-        Some(gained.diagonal[0] - lost.diagonal[0])
-    }
-
-    /// p F(above) and v F(below), m/N; `None` if the upper pole is not above the spectrum.
-    fn sides(&self, fractions: Fractions, tilt: Tilt) -> Option<(Tridiagonal, Tridiagonal)> {
-        let (free, sign) = (self.closed.contact_free, tilt.sign());
-        let error = |l: f64| self.pole_error(l);
-        if fractions.is_far() {
-            // Twice the error on the diagonal stands for that beside it.
-            let several = if self.closed.compliance.diagonal.len() > 1 { 2.0 } else { 1.0 };
-            let mut gained = self.moments.series(fractions.coefficients, several * sign);
-            let squared_step = 4.0 / free.value;
-            gained.diagonal.iter_mut().chain(&mut gained.off_diagonal).for_each(|w| *w *= squared_step);
-            let lost = Tridiagonal::zeros(gained.diagonal.len());
-            return Some((gained, lost));
-        }
-        let upper = free.value * fractions.above;
-        let mut gained = self.closed.flexibility.of(-1.0, upper * (1.0 - sign * error(upper)))?;
-        let mut lost = Tridiagonal::zeros(gained.diagonal.len());
-        let lower = free.value * fractions.below;
-        if fractions.loss > 0.0 && lower.is_finite() {
-            lost = self.closed.flexibility.of(1.0, lower * (1.0 + sign * error(lower)))?;
-        }
-        let scale = |side: &mut Tridiagonal, factor: f64| {
-            side.diagonal.iter_mut().chain(&mut side.off_diagonal).for_each(|entry| *entry *= factor);
-        };
-        scale(&mut gained, fractions.gain);
-        scale(&mut lost, fractions.loss);
-        Some((gained, lost))
-    }
-
-    /// The last pivot of C^-1 - W over the sum of what it is made of, in [-1, 1]: positive while the multiplier
-    /// -1 - `growth` lies beyond the spectrum; -1 if an earlier pivot is not positive. C^-1 = S^-1 + a G.
-    ///
-    /// C^-1 - W is a sum of positive semidefinite parts T = S^-1, a G, p F and -v F, each tridiagonal and put together bar
-    /// by bar. If an entry of a part is off by e (T_ii T_jj)^(1/2), the part is off by no more than
-    /// e (sum T_ii^(1/2) |y_i|)^2 <= 2 e sum T_ii y_i^2 at most, for the one or two contacts of a bar. So the errors of
-    /// the entries beside the diagonal are borne by the diagonal, and its last pivot proves a sign.
-    fn margin(&self, terms: &[Terms], alpha: f64, growth: f64, tilt: Tilt) -> f64 {
-        let fractions = Fractions::new(self.theta, alpha, growth);
-        let Some((gained, lost)) = self.sides(fractions, tilt) else { return -1.0 };
-        let sign = tilt.sign();
-        let (entries, upper, lower) = self.relative_errors(fractions);
-        let factor = terms.iter().map(|p| p.mass / p.stiffness).fold(0.0, f64::max);
-        let (own, beside) = (&self.closed.compliance.diagonal, &self.closed.compliance.off_diagonal);
-        let (mut carried, mut margin) = (0.0, -1.0);
-        for (j, p) in terms.iter().enumerate() {
-            let inverse = 1.0 / p.stiffness + factor * own[j];
-            let error = entries * inverse + upper * gained.diagonal[j] + lower * lost.diagonal[j];
-            let pivot = inverse - gained.diagonal[j] + lost.diagonal[j] - sign * error - carried;
-            margin = pivot / (inverse + gained.diagonal[j] + lost.diagonal[j] + carried);
-            if j + 1 == terms.len() {
-                break;
-            }
-            if pivot.is_nan() || pivot <= 0.0 {
-                return -1.0;
-            }
-            let off = factor * beside[j] - gained.off_diagonal[j] + lost.off_diagonal[j];
-            carried = off * (off / pivot);
-        }
-        margin
-    }
-
-    /// Errors of the diagonal that stand for those of S^-1 + a G, of p F(above) and of v F(below), relative.
-    ///
-    /// The fractions take fewer than 16 roundings, mu as many as it has and 4 more, the pivots of the margin fewer than 8.
-    /// The entries of a bar between two contacts come of two eliminations, each exact for a matrix that differs by e, in
-    /// units of l M ([`Self::pole_error`]): beside the shift of the pole, F(above) may be off by e l/(l - l_n) twice over,
-    /// and F(below), where K + l M >= l M, by e twice over.
-    fn relative_errors(&self, fractions: Fractions) -> (f64, f64, f64) {
-        let coupled = self.closed.compliance.diagonal.len() > 1;
-        let entries = COMPLIANCE_ERROR + 20.0 * UNIT_ROUNDOFF;
-        if !coupled {
-            return (entries, entries, entries);
-        }
-        let entries = 2.0 * entries + 8.0 * UNIT_ROUNDOFF;
-        if fractions.is_far() {
-            return (entries, entries, entries);
-        }
-        let free = self.closed.contact_free;
-        let (above, below) = (free.value * fractions.above, free.value * fractions.below);
-        let distance = (above - free.upper) / above;
-        let mixed = 2.0 * self.pole_error(above) / distance;
-        (entries, entries + mixed, entries + 2.0 * self.pole_error(below))
-    }
-
-    /// Relative error of a pole l: the elimination moves it by 8 unit roundoffs of 3 l + B, as |M| <= 3 M, the pole takes 8
-    /// more.
-    fn pole_error(&self, l: f64) -> f64 {
-        8.0 * UNIT_ROUNDOFF * (4.0 + self.closed.pencil.pencil().bounds().stiffness / l)
     }
 }

@@ -2,8 +2,8 @@
 
 mod fractions;
 mod limit;
-mod moments;
 mod motion;
+mod sign;
 
 use limit::ParkLimit;
 use motion::Steps;

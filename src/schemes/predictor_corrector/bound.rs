@@ -4,23 +4,29 @@
 //! dt^2 <= a + 1/l_max(S G) = 1/(r omega^2) + 1/(beta_s l_max(P, M))      P = sum_j w_j z_j z_j'
 //! ```
 //! by the sufficient half of the proof for bars ([`ClosedLimit`](super::ClosedLimit)), which uses nothing of them. The
-//! limit itself may lie anywhere above, as contacts that are not alike damp each other's unstable modes: no upper bound is
-//! given, and the step is a [lower bound](crate::spectrum::Evidence::LowerBound).
+//! limit itself may lie above, as contacts that are not alike damp each other's unstable modes, but not above the first
+//! step at which the product of all multipliers exceeds 1 ([`Determinant`]). The step is a
+//! [lower bound](crate::spectrum::Evidence::LowerBound) with an upper one.
 
 use faer::{Mat, Side};
 
+use super::determinant::Determinant;
 use crate::error::Refusal;
 use crate::pencil::{Penalty, PenaltyMass, Pencil, last_pivot};
 use crate::schemes::Contacts;
 use crate::schemes::closed::{COMPLIANCE_ERROR, ClosedContacts, contact_free};
 use crate::spectrum::{Enclosure, Engine, Step, StepLimit, UNIT_ROUNDOFF, Uncertified, bisect};
 
+/// Contacts of bars of which all eigenvalues are computed.
+const MOST_CONTACTS: usize = 300;
+
 /// The lower bound of the limit for any pencil.
-pub(super) struct Bound {
+pub(in crate::schemes) struct Bound {
     contact_free: Enclosure,
     /// l_max(P, M), rad^2/s^2: that of W^1/2 G W^1/2, k x k, and its relative error.
     contact: f64,
     error: f64,
+    determinant: Determinant,
     spreads_mass: bool,
 }
 
@@ -30,6 +36,14 @@ impl Bound {
     /// # Errors
     /// A contact-free l_max that cannot be certified, and a mass that has no factor.
     pub fn new(pencil: &Pencil, spectrum: Box<dyn Engine + '_>) -> Result<Self, Refusal> {
+        Self::beside(pencil, contact_free(&*spectrum)?)
+    }
+
+    /// For `pencil`, whose bodies allow 4/dt^2 = `contact_free`.
+    ///
+    /// # Errors
+    /// A mass that has no factor.
+    pub fn beside(pencil: &Pencil, contact_free: Enclosure) -> Result<Self, Refusal> {
         let contacts = Contacts::new(pencil, &Penalty::NONE)?;
         let (k, n) = (contacts.len(), pencil.size() as f64);
         let root = |j: usize| pencil.gaps()[j].scale.sqrt();
@@ -40,9 +54,10 @@ impl Bound {
         let factor = if pencil.mass().is_diagonal() { 4.0 } else { pencil.bounds().mass * n * (n + 1.0) };
         let error = UNIT_ROUNDOFF * (factor + 8.0 * (k * k) as f64 + 16.0);
         Ok(Self {
-            contact_free: contact_free(&*spectrum)?,
+            contact_free,
             contact: eigenvalues.last().copied().unwrap_or(0.0),
             error,
+            determinant: Determinant::new(&eigenvalues, error),
             spreads_mass: spreads_mass(pencil),
         })
     }
@@ -67,8 +82,36 @@ impl Bound {
         // An entry is in error by COMPLIANCE_ERROR, its scaling by 4 roundings, and a pivot by 4 more of l and of the
         // entry beside it (Kahan: as exact pivots of entries so moved). Three entries of a row of at most l each.
         let error = 3.0 * (COMPLIANCE_ERROR + 8.0 * UNIT_ROUNDOFF) + 16.0 * UNIT_ROUNDOFF;
+        let k = diagonal.len();
+        let determinant = if k > MOST_CONTACTS {
+            // D^1/2 M^-1 D^1/2 has the condition c at most, D = diag(M), and so has what its contacts see of a bar: G is
+            // no less than its diagonal over c.
+            let least = diagonal.iter().copied().fold(f64::INFINITY, f64::min);
+            Determinant::above(least / pencil.bounds().mass * (1.0 - error))
+        } else {
+            let entry = |i: usize, j: usize| match i.abs_diff(j) {
+                0 => diagonal[i],
+                1 => off[i.min(j)],
+                _ => 0.0,
+            };
+            let eigenvalues = Mat::from_fn(k, k, entry).self_adjoint_eigenvalues(Side::Lower);
+            let more = 8.0 * UNIT_ROUNDOFF * (k * k) as f64;
+            Determinant::new(&eigenvalues.unwrap_or_default(), error + more)
+        };
         let (contact_free, spreads_mass) = (closed.contact_free, spreads_mass(pencil));
-        Self { contact_free, contact, error, spreads_mass }
+        Self { contact_free, contact, error, determinant, spreads_mass }
+    }
+
+    /// 4/(a + 1/(beta_s l_max(P, M))), rad^2/s^2, with its error.
+    ///
+    /// # Errors
+    /// The diagonalised mass penalty of a pair.
+    pub fn of_contacts(&self, penalty: &Penalty) -> Result<Enclosure, Uncertified> {
+        if penalty.form == PenaltyMass::Diagonalised && self.spreads_mass {
+            return Err(Uncertified { value: f64::NAN, width: f64::INFINITY });
+        }
+        let value = self.contact_eigenvalue(penalty);
+        Ok(Enclosure { value, lower: value * (1.0 - self.error), upper: value * (1.0 + self.error) })
     }
 
     /// 4/(a + 1/(beta_s l_max(P, M))), rad^2/s^2.
@@ -89,15 +132,14 @@ impl StepLimit for Bound {
     }
 
     fn enclose(&self, penalty: &Penalty, _start: Option<f64>) -> Result<Step, Uncertified> {
-        if penalty.form == PenaltyMass::Diagonalised && self.spreads_mass {
-            return Err(Uncertified { value: f64::NAN, width: f64::INFINITY });
-        }
-        let (q, free) = (self.contact_eigenvalue(penalty), self.contact_free);
-        if q == 0.0 {
+        let (q, free) = (self.of_contacts(penalty)?, self.contact_free);
+        if q.value == 0.0 {
             return Ok(Step::proven(free));
         }
-        let upper = free.upper.max(q * (1.0 + self.error));
-        Ok(Step::at_least(Enclosure { value: free.value.max(q), lower: free.lower, upper }))
+        let (value, upper) = (free.value.max(q.value), free.upper.max(q.upper));
+        let lower = 4.0 / self.determinant.unstable_from(penalty.stiffness, penalty.rate);
+        let lower = lower * (1.0 - 4.0 * UNIT_ROUNDOFF);
+        Ok(Step::between(Enclosure { value, lower, upper }))
     }
 
     fn costs_nothing(&self, penalty: &Penalty) -> bool {

@@ -2,13 +2,15 @@
 
 mod bound;
 mod definite;
+mod determinant;
 mod growth;
 mod limit;
 mod motion;
 
-use bound::Bound;
+pub(super) use bound::Bound;
 pub use limit::ClosedLimit;
 use motion::Steps;
+pub(super) use motion::energy;
 
 use super::closed::ClosedContacts;
 use super::{ContactSearch, Facts, Motion, Onset, Scheme, System};

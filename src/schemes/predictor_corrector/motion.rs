@@ -6,11 +6,28 @@
 //! v += dt (a_pred - M^-1 Z lambda)        u += dt v
 //! ```
 //!
+//! Contacts that act on each other may pull at g_pred > 0; unilateral ones then obey
+//!
+//! ```text
+//! 0 <= lambda   perpendicular to   (1/s + a mu) lambda - g_pred >= 0        a = m/s
+//! ```
+//! which is the same wherever nothing pulls, and for contacts that act apart (a lumped mass, no node in two contacts).
+//!
+//! *Theorem: nothing is gained.* For dt^2 < a + 1/l_max(S mu), the lower bound of the limit, the leapfrog energy v'Mv/2 + u_{n-1}'K u_n/2 of
+//! the bodies never exceeds its start, from g_0, g_{-1} <= 0: for any number of contacts, any mesh and mass matrix, any
+//! sequence of openings. *Proof.* As g_pred = g_{n+1} + dt^2 mu lambda, the condition is 0 <= lambda perpendicular to
+//! B lambda - g_{n+1} >= 0 with B = 1/s + (a - dt^2) mu, positive definite: lambda is a slope at g_{n+1} of the convex
+//! f(g) = max over lambda >= 0 of g'lambda - lambda'B lambda/2, f >= 0, and f = 0 for g <= 0. So the work
+//! lambda_n'(g_{n+1} - g_{n-1})/2 of a step is at least (f(g_{n+1}) - f(g_{n-1}))/2, and their sum telescopes to
+//! (f(g_{n+1}) + f(g_n))/2 >= 0. QED. Without the condition contacts that pull do gain: up to twice the kinetic energy
+//! in random rows of bars at r = 1/4, C = 0.99, gamma < 1.
+//!
 //! Energy: shadow = -dt/2 v'(K u - f), balance_work = sum lambda (g_{n+1} - g_{n-1})/2, and closed contacts store
 //! lambda g/2: the mass penalty is no inertia but a reduced stiffness.
 
 use crate::error::Refusal;
-use crate::schemes::{Body, Energy, Motion, State, System};
+use crate::schemes::complementarity::Complementarity;
+use crate::schemes::{Body, ContactRule, Contacts, Energy, Motion, State, System};
 
 /// A motion by the predictor-corrector.
 #[derive(Debug)]
@@ -25,6 +42,8 @@ pub(super) struct Steps {
     /// g at the start of the step, and the predicted Z'v at its end.
     before: Vec<f64>,
     predicted_velocity: Vec<f64>,
+    /// Of unilateral contacts that act on each other, with those that have a penalty.
+    problem: Option<(Complementarity, Vec<bool>)>,
 }
 
 impl Steps {
@@ -36,7 +55,9 @@ impl Steps {
         let state = State::new(&body.contacts, u, v, body.dt);
         let [before, predicted_velocity] = [vec![0.0; k], vec![0.0; k]];
         let kick = vec![0.0; n];
-        let mut steps = Self { body, state, kick, relief, delicate, before, predicted_velocity };
+        let coupled = body.rule == ContactRule::Unilateral && !body.contacts.act_apart();
+        let problem = coupled.then(|| problem(&body.contacts));
+        let mut steps = Self { body, state, kick, relief, delicate, before, predicted_velocity, problem };
         steps.react();
         steps.state.switches = 0;
         Ok(steps)
@@ -44,6 +65,11 @@ impl Steps {
 
     fn react(&mut self) {
         let Self { body: Body { contacts, rule, .. }, state, .. } = self;
+        if let Some((problem, count)) = &mut self.problem {
+            problem.push(&state.gap, count, &mut state.force);
+            state.close_where_pressed();
+            return;
+        }
         state.search(*rule);
         contacts.reactions(&state.closed, &state.gap, None, &mut state.force);
     }
@@ -71,6 +97,13 @@ impl Steps {
     }
 }
 
+/// (1/s + a mu) lambda - g_pred, and which contacts have an s.
+fn problem(contacts: &Contacts) -> (Complementarity, Vec<bool>) {
+    let own: Vec<f64> = contacts.terms.iter().map(|(s, _)| 1.0 / s).collect();
+    let count = contacts.terms.iter().map(|(s, _)| *s > 0.0).collect();
+    (Complementarity::new(contacts, contacts.inverse_rate(), &own), count)
+}
+
 impl Motion for Steps {
     fn step(&mut self) {
         let Self { body: Body { contacts, operator, dt, .. }, state, kick, .. } = self;
@@ -95,11 +128,15 @@ impl Motion for Steps {
     }
 
     fn energy(&mut self) -> Energy {
-        let Self { body, state, .. } = self;
-        let energy = body.energy(state, &state.velocity);
-        let pull = body.pencil.stiffness().strain(&state.velocity, &state.displacement);
-        let shadow = -0.5 * body.dt * (pull - body.work(&state.velocity));
-        let penalty = state.reduced_penalty_energy();
-        Energy { penalty, loss: state.balance_work - penalty + shadow, ..energy }
+        energy(&self.body, &self.state)
     }
+}
+
+/// The energies of a motion by the predictor-corrector, with the loss that its steps and contacts make.
+pub(in crate::schemes) fn energy(body: &Body, state: &State) -> Energy {
+    let energy = body.energy(state, &state.velocity);
+    let pull = body.pencil.stiffness().strain(&state.velocity, &state.displacement);
+    let shadow = -0.5 * body.dt * (pull - body.work(&state.velocity));
+    let penalty = state.reduced_penalty_energy();
+    Energy { penalty, loss: state.balance_work - penalty + shadow, ..energy }
 }

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use crate::damping::Damping;
 use crate::error::Refusal;
-use crate::schemes::{Scheme, SchemeName};
+use crate::schemes::explicit::ExplicitScheme;
+use crate::schemes::{DampedCentralDifference, Scheme, SchemeName};
 use crate::stability::EngineName;
 
 /// Whose limit of the time step.
@@ -14,6 +16,10 @@ pub enum LimitOf {
     Spectrum,
     /// A scheme with its parameters, contacts closed.
     Scheme(Arc<dyn Scheme>),
+    /// Central differences damped by C, the velocity half a step behind.
+    Damped(Damping),
+    /// Another explicit scheme, the contact in its internal force: the step of the spectrum times a number.
+    Explicit(Arc<dyn ExplicitScheme>),
 }
 
 impl LimitOf {
@@ -22,16 +28,27 @@ impl LimitOf {
         match self {
             Self::Spectrum => "spectrum",
             Self::Scheme(scheme) => scheme.facts().name,
+            Self::Damped(damping) => DampedCentralDifference::new(*damping).facts().name,
+            Self::Explicit(scheme) => scheme.facts().name,
         }
     }
 
-    /// The scheme whose limit is not the spectrum's.
+    /// Whether it is 2/omega_max of the penalised pencil.
+    pub fn is_spectrum(&self) -> bool {
+        match self {
+            Self::Spectrum => true,
+            Self::Scheme(_) => self.scheme().is_none(),
+            Self::Damped(_) | Self::Explicit(_) => false,
+        }
+    }
+
+    /// The scheme whose limit is no function of the spectrum's.
     pub fn scheme(&self) -> Option<&dyn Scheme> {
         match self {
             Self::Scheme(scheme) if scheme.facts().name != SchemeName::CentralDifference.name() => {
                 Some(&**scheme)
             }
-            Self::Spectrum | Self::Scheme(_) => None,
+            Self::Spectrum | Self::Scheme(_) | Self::Damped(_) | Self::Explicit(_) => None,
         }
     }
 }
@@ -74,6 +91,11 @@ impl Asking {
     /// The width asked for at each of `points` points.
     pub fn width(&self, points: usize) -> f64 {
         self.tolerance.unwrap_or(if points <= FEW_POINTS { Self::FEW } else { Self::MANY })
+    }
+
+    /// The same of the spectrum.
+    pub(super) fn of_spectrum(&self) -> Self {
+        Self { limit: LimitOf::Spectrum, ..self.clone() }
     }
 
     /// Refuses values that mean nothing.

@@ -1,8 +1,9 @@
 //! Maps of meshes: every point of a spectrum from the convex curve, and of the predictor-corrector from two numbers of it.
 
-use super::asking::Asking;
+use super::asking::{Asking, LimitOf};
 use super::mesh::MeshModel;
 use crate::convex::{Asked, Curve, Enclosed, Prover, TooWide};
+use crate::damping::{Damping, enclose_damped};
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::spectrum::{Enclosure, Evidence, Step, Uncertified};
@@ -23,9 +24,10 @@ const BOUND: &str = "convex-bound";
 impl MeshModel {
     pub(super) fn map(&self, grid: &Grid, asking: &Asking) -> Result<Vec<stability::Curve>, Refusal> {
         let reference = self.reference()?;
-        let Found { steps, engine, error } = match asking.limit.scheme() {
-            None => self.spectrum(grid, asking, reference)?,
-            Some(_) => self.predictor_corrector(grid, asking, reference)?,
+        let Found { steps, engine, error } = match (&asking.limit, asking.limit.scheme()) {
+            (LimitOf::Damped(damping), _) => self.damped(grid, asking, reference, *damping)?,
+            (_, None) => self.spectrum(grid, asking, reference)?,
+            (_, Some(_)) => self.predictor_corrector(grid, asking, reference)?,
         };
         let mut steps = steps.into_iter();
         let mut curve = |ratio: &Ratio| {
@@ -53,6 +55,36 @@ impl MeshModel {
                 // lies at l (1 + e) or above.
                 let more = if asked.mass > 0.0 { error } else { 0.0 };
                 Ok(Step { l: Enclosure { upper: step.l.upper * (1.0 + more), ..step.l }, ..step })
+            };
+            let steps = asked.iter().zip(found).map(point).collect();
+            Ok(Found { steps, engine: engine(prover), error })
+        })
+    }
+
+    /// By undamped problems of the same curve. With m/(1 + e) for m, y N - C - S/y stays semidefinite at (1 + e) y: l moves by no
+    /// more than (1 + e)^2.
+    fn damped(
+        &self,
+        grid: &Grid,
+        asking: &Asking,
+        reference: f64,
+        damping: Damping,
+    ) -> Result<Found, Refusal> {
+        let asked: Vec<Asked> = pairs(grid).map(|(r, b)| Asked::of(b.get(), r.get(), reference)).collect();
+        self.with_curve(asking, |curve| {
+            let (width, error) = (asking.width(asked.len()), self.reference_error(curve));
+            // The step of a search is up to twice as wide as those of its problems.
+            let narrow = (0.5 * width - error).max(0.25 * width);
+            let found = enclose_damped((self.pencil(), &mut *curve), damping, &asked, narrow);
+            let prover = curve.prover();
+            let point = |(asked, found): (&Asked, Result<Step, TooWide>)| {
+                let found = match found {
+                    Ok(step) => step,
+                    Err(wide) => step(Err(wide), asking, prover)?,
+                };
+                let more = if asked.mass > 0.0 { error } else { 0.0 };
+                let l = Enclosure { upper: found.l.upper * (1.0 + more).powi(2), ..found.l };
+                Ok(Step { l, ..found })
             };
             let steps = asked.iter().zip(found).map(point).collect();
             Ok(Found { steps, engine: engine(prover), error })

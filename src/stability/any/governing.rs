@@ -10,7 +10,7 @@ use std::fmt;
 use rayon::prelude::*;
 
 use super::AnyModel;
-use super::asking::Asking;
+use super::asking::{Asking, LimitOf};
 use super::curve::step;
 use super::mesh::MeshModel;
 use crate::convex::Asked;
@@ -73,9 +73,9 @@ impl AnyModel {
     /// As [`AnyModel::map`]; the limit of a scheme that is not the spectrum's; a limit that could not be enclosed.
     pub fn governs(&self, beta_s: f64, ratio: f64, asking: &Asking) -> Result<Governing> {
         self.check(asking)?;
-        if let Some(scheme) = asking.limit.scheme() {
-            let allowed = "spectrum or central-difference, whose limit has a mode";
-            return Err(Refusal::new("limit", scheme.facts().name, allowed).into());
+        if asking.limit.scheme().is_some() || matches!(asking.limit, LimitOf::Damped(_)) {
+            let allowed = "spectrum or central-difference, undamped, whose limit has a mode";
+            return Err(Refusal::new("limit", asking.limit.name(), allowed).into());
         }
         let point = (StiffnessPenalty::new(beta_s)?, Ratio::new(ratio)?);
         match self {

@@ -7,8 +7,9 @@
 //! ```
 //! which is explicit in either; r <= x lets any penalty do. Bars ask their own engines, which know f^-1 point by point.
 
-use super::asking::Asking;
+use super::asking::{Asking, LimitOf};
 use super::mesh::MeshModel;
+use super::transformed::shortened;
 use super::{AnyModel, with_limit};
 use crate::convex::{Asked, Enclosed, Passing};
 use crate::error::{Error, Refusal, Result};
@@ -33,11 +34,15 @@ impl Largest {
     const ANY: Self = Self { value: f64::INFINITY, lower: f64::INFINITY, upper: f64::INFINITY };
 }
 
-/// l = 4/dt^2 rounds twice, and what is compared with it a few times more.
-const MARGIN: f64 = 8.0 * f64::EPSILON;
+/// l = 4/dt^2 rounds twice, the step of another explicit scheme or a damped one up to 12 times (relative to l), and what is
+/// compared with it a few times more.
+const MARGIN: f64 = 12.0 * f64::EPSILON;
 
-/// 4/dt^2, rad^2/s^2.
-fn eigenvalue(time_step: f64) -> Result<f64, Refusal> {
+/// l = 4/dt^2, rad^2/s^2, of a step dt, s: central differences stand the step as long as l_max <= l.
+///
+/// # Errors
+/// A step that is not positive, or whose square f64 does not hold.
+pub fn eigenvalue(time_step: f64) -> Result<f64, Refusal> {
     let l = 4.0 / (time_step * time_step);
     if time_step > 0.0 && l.is_normal() {
         return Ok(l);
@@ -53,6 +58,15 @@ impl AnyModel {
     /// As [`AnyModel::map`]; a step or a ratio that is none; a contact-free limit that could not be enclosed.
     pub fn largest_penalty(&self, time_step: f64, ratio: f64, asking: &Asking) -> Result<Option<Largest>> {
         self.check(asking)?;
+        match &asking.limit {
+            LimitOf::Damped(damping) => {
+                return self.largest_damped_penalty(*damping, time_step, ratio, asking);
+            }
+            LimitOf::Explicit(scheme) => {
+                return self.largest_penalty(shortened(time_step, &**scheme), ratio, &asking.of_spectrum());
+            }
+            LimitOf::Spectrum | LimitOf::Scheme(_) => (),
+        }
         let (l, ratio) = (eigenvalue(time_step)?, Ratio::new(ratio)?);
         match self {
             Self::Mesh(model) => model.largest(l, asking, |given| given.penalty(ratio.get())),
@@ -73,6 +87,15 @@ impl AnyModel {
     /// As [`AnyModel::largest_penalty`].
     pub fn largest_ratio(&self, time_step: f64, beta_s: f64, asking: &Asking) -> Result<Option<Largest>> {
         self.check(asking)?;
+        match &asking.limit {
+            LimitOf::Damped(damping) => {
+                return self.largest_damped_ratio(*damping, time_step, beta_s, asking);
+            }
+            LimitOf::Explicit(scheme) => {
+                return self.largest_ratio(shortened(time_step, &**scheme), beta_s, &asking.of_spectrum());
+            }
+            LimitOf::Spectrum | LimitOf::Scheme(_) => (),
+        }
         let (l, beta_s) = (eigenvalue(time_step)?, StiffnessPenalty::new(beta_s)?);
         match self {
             Self::Mesh(model) => model.largest(l, asking, |given| given.ratio(beta_s.get())),

@@ -35,19 +35,21 @@ mod optimal;
 mod prover;
 mod scene;
 mod stepping;
+mod transformed;
 
 pub use asking::{Asking, LimitOf, Plan, Prover};
 pub use governing::{ContactShare, Governing};
-pub use largest::Largest;
+pub use largest::{Largest, eigenvalue};
 pub use mesh::MeshModel;
 pub use scene::AnyScene;
 
-use super::{Curve, Grid, MapPoint, Model, map};
+use super::{Curve, EngineName, Grid, MapPoint, Model, map};
+use crate::damping::DampedLimit;
 use crate::error::{Refusal, Result};
 use crate::fem::{MassMatrix, pencil_bytes};
 use crate::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use crate::pencil::Penalty;
-use crate::spectrum::{Spectrum, StepLimit};
+use crate::spectrum::{Engine, Spectrum, StepLimit};
 
 /// A model of bars, or of matrices or meshes.
 #[derive(Debug)]
@@ -119,6 +121,17 @@ impl AnyModel {
         }
     }
 
+    /// The smallest scale of the contacts, N/m: with beta_s every contact has at least the stiffness beta_s times this. `None`
+    /// without contacts.
+    pub fn smallest_scale(&self) -> Option<f64> {
+        match self {
+            Self::Bars(model) => model.scales().iter().map(|scale| scale.stiffness).reduce(f64::min),
+            Self::Mesh(model) => {
+                model.pencil().contacts().iter().map(|contact| contact.scale).reduce(f64::min)
+            }
+        }
+    }
+
     /// omega_ref^2, rad^2/s^2, in which the ratio is measured: of the elements at contacts for bars; of the contact-free
     /// mesh as [`MeshModel::reference`] has it, or as given.
     ///
@@ -156,9 +169,12 @@ impl AnyModel {
                     let value = format!("{patch} with scene {}", self.name());
                     return Err(Refusal::new("patch", value, "none: bars are proven as they are found"));
                 }
+                if matches!(asking.limit, LimitOf::Damped(_)) {
+                    model.check_pencil()?;
+                }
                 match asking.limit.scheme() {
                     None => model.check_engine(asking.engine),
-                    Some(scheme) if asking.engine != super::EngineName::Auto => {
+                    Some(scheme) if asking.engine != EngineName::Auto => {
                         let allowed = format!("auto with the limit of {}", scheme.facts().name);
                         Err(Refusal::new("engine", asking.engine.text(), allowed))
                     }
@@ -217,6 +233,9 @@ impl AnyModel {
     ) -> Result<Vec<Curve>, Refusal> {
         self.check(asking)?;
         self.check_grid(grid)?;
+        if let LimitOf::Explicit(scheme) = &asking.limit {
+            return Ok(transformed::lengthened(self.map(grid, &asking.of_spectrum(), done)?, &**scheme));
+        }
         match self {
             Self::Bars(model) => with_limit(model, asking, |limit| Ok(map(model, grid, limit, done))),
             Self::Mesh(model) => {
@@ -265,22 +284,28 @@ impl AnyModel {
 }
 
 /// Hands on the limit of bars that is asked for.
-pub(super) fn with_limit<R>(
+///
+/// # Errors
+/// As [`Model::engine`] and [`Model::limit`], and what `use_it` refuses.
+pub fn with_limit<R>(
     model: &Model,
     asking: &Asking,
     use_it: impl FnOnce(&dyn StepLimit) -> Result<R, Refusal>,
 ) -> Result<R, Refusal> {
-    let scheme = asking.limit.scheme();
-    if scheme.is_none() && !asking.engine.needs_pencil() {
-        let engine: Box<dyn crate::spectrum::Engine> = match asking.engine {
-            super::EngineName::ClosedForm => Box::new(model.closed_form()),
-            _ => Box::new(model.auto()),
-        };
-        return use_it(&Spectrum(engine));
+    if let Some(scheme) = asking.limit.scheme() {
+        let pencil = model.pencil();
+        return use_it(&*model.limit(scheme, &pencil)?);
     }
-    let pencil = model.pencil();
-    match scheme {
-        None => use_it(&Spectrum(model.engine(asking.engine, &pencil)?)),
-        Some(scheme) => use_it(&*model.limit(scheme, &pencil)?),
+    let needs_pencil = asking.engine.needs_pencil() || matches!(asking.limit, LimitOf::Damped(_));
+    let pencil = needs_pencil.then(|| model.pencil());
+    let engine: Box<dyn Engine> = match (asking.engine, &pencil) {
+        (EngineName::ClosedForm, _) => Box::new(model.closed_form()),
+        (engine, Some(pencil)) if engine.needs_pencil() => model.engine(engine, pencil)?,
+        _ => Box::new(model.auto()),
+    };
+    match (&asking.limit, &pencil) {
+        (LimitOf::Explicit(scheme), _) => use_it(&scheme.limit(engine)),
+        (LimitOf::Damped(damping), Some(pencil)) => use_it(&DampedLimit::new(pencil, engine, *damping)),
+        _ => use_it(&Spectrum(engine)),
     }
 }

@@ -1,17 +1,22 @@
 //! The largest ratio that costs no step against the contact-free model, and lines of one step in the plane (beta_s, r).
 
-use super::asking::Asking;
+use rayon::prelude::*;
+
+use super::asking::{Asking, LimitOf};
 use super::curve::step;
 use super::mesh::MeshModel;
 use super::{AnyModel, with_limit};
 use crate::convex::Asked;
 use crate::error::{Error, Refusal, Result};
 use crate::penalty::StiffnessPenalty;
-use crate::spectrum::{Enclosure, Uncertified};
+use crate::spectrum::{Enclosure, StepLimit, Uncertified};
 use crate::stability::contour::{explicit, on_line};
 use crate::stability::{
-    Expectation, OptimalRatio, contour, optimal_ratio, optimal_scheme_ratio, scheme_contour,
+    Expectation, Model, OptimalRatio, contour, optimal_ratio, optimal_scheme_ratio, scheme_contour,
 };
+
+/// The ratio that was found, and the one that the theory expects.
+type FoundAndExpected = (Option<OptimalRatio>, Option<f64>);
 
 impl AnyModel {
     /// Encloses the largest ratio that costs no step at `beta_s`; `None` if none costs any. For the spectrum it is
@@ -21,36 +26,51 @@ impl AnyModel {
     /// # Errors
     /// As [`AnyModel::map`]; a limit that could not be enclosed.
     pub fn optimal_ratio(&self, beta_s: f64, asking: &Asking) -> Result<Option<OptimalRatio>> {
-        self.check(asking)?;
-        let beta_s = StiffnessPenalty::new(beta_s)?;
-        match self {
-            Self::Mesh(model) => model.optimal_ratio(beta_s, asking),
-            Self::Bars(model) => with_limit(model, asking, |limit| {
-                Ok(match asking.limit.scheme() {
-                    None => Expectation::of(model, limit)
-                        .and_then(|expectation| optimal_ratio(model, limit, &expectation, beta_s)),
-                    Some(_) => optimal_scheme_ratio(model, limit, beta_s),
-                })
-            })?
-            .map_err(Error::from),
-        }
+        let found = self.optimal_ratios(&[beta_s], asking, &|_| ())?;
+        Ok(found.first().and_then(|(found, _)| *found))
     }
 
-    /// What the theory expects of [`AnyModel::optimal_ratio`]; `None` where no ratio costs any, or none is known.
+    /// [`AnyModel::optimal_ratio`] at each beta_s, with what the theory expects of it; expected is `None` where no ratio
+    /// costs any, or none is known. `done` is told of ratios as they are found.
     ///
     /// # Errors
     /// As [`AnyModel::optimal_ratio`].
-    pub fn expected_ratio(&self, beta_s: f64, asking: &Asking) -> Result<Option<f64>> {
+    pub fn optimal_ratios(
+        &self,
+        beta_s: &[f64],
+        asking: &Asking,
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<Vec<FoundAndExpected>> {
         self.check(asking)?;
+        // A multiple of every step is one of both that are compared.
+        let spectrum;
+        let asking = match asking.limit {
+            LimitOf::Explicit(_) => {
+                spectrum = asking.of_spectrum();
+                &spectrum
+            }
+            _ => asking,
+        };
+        let damped = matches!(asking.limit, LimitOf::Damped(_));
+        let beta_s = beta_s.iter().map(|b| StiffnessPenalty::new(*b)).collect::<Result<Vec<_>, _>>()?;
         match self {
-            Self::Mesh(model) => model.expected_ratio(beta_s, asking),
             Self::Bars(model) => with_limit(model, asking, |limit| {
-                Ok(match asking.limit.scheme() {
-                    None => Expectation::of(model, limit).map(|expectation| Some(expectation.ratio())),
-                    Some(_) => Ok(limit.expected_ratio(beta_s)),
-                })
+                let of_scheme = damped || asking.limit.scheme().is_some();
+                Ok(ratios_of_bars(model, limit, of_scheme, &beta_s, done))
             })?
             .map_err(Error::from),
+            Self::Mesh(model) if damped => {
+                let value = format!("{} with scene {}", asking.limit.name(), model.name());
+                Err(Refusal::new("limit", value, "no damping, or a scene of [[bar]]").into())
+            }
+            Self::Mesh(model) => {
+                let one = |b: &StiffnessPenalty| {
+                    let found = model.optimal_ratio(*b, asking)?;
+                    done(1);
+                    Ok((found, model.expected_ratio(b.get(), asking)?))
+                };
+                beta_s.iter().map(one).collect()
+            }
         }
     }
 
@@ -66,6 +86,9 @@ impl AnyModel {
         asking: &Asking,
     ) -> Result<Vec<(f64, f64)>, Refusal> {
         self.check(asking)?;
+        if matches!(asking.limit, LimitOf::Damped(_) | LimitOf::Explicit(_)) {
+            return self.transformed_contour(critical_courant, beta_s, ratio, asking);
+        }
         match self {
             Self::Mesh(model) => model.contour(critical_courant, beta_s, ratio, asking),
             Self::Bars(model) if asking.limit.scheme().is_none() => {
@@ -76,6 +99,26 @@ impl AnyModel {
             }),
         }
     }
+}
+
+/// Of bars, in parallel over beta_s.
+fn ratios_of_bars(
+    model: &Model,
+    limit: &dyn StepLimit,
+    of_scheme: bool,
+    beta_s: &[StiffnessPenalty],
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Vec<FoundAndExpected>, Uncertified> {
+    let expectation = if of_scheme { None } else { Some(Expectation::of(model, limit)?) };
+    let one = |b: &StiffnessPenalty| {
+        let found = match &expectation {
+            Some(expectation) => (optimal_ratio(model, limit, expectation, *b)?, Some(expectation.ratio())),
+            None => (optimal_scheme_ratio(model, limit, *b)?, limit.expected_ratio(b.get())),
+        };
+        done(1);
+        Ok(found)
+    };
+    beta_s.par_iter().map(one).collect()
 }
 
 impl MeshModel {

@@ -81,7 +81,10 @@ pub fn keeps_the_bound(pencil: &Pencil) {
                 "without a contact its limit is the contact-free one"
             );
         } else {
-            assert_eq!((step.evidence, step.upper()), (Evidence::LowerBound, f64::INFINITY));
+            assert!(step.evidence == Evidence::LowerBound && step.lower() < step.upper());
+            let growth =
+                grown(pencil, &PredictorCorrector, penalty, 1.01 * step.upper().min(1e3 * step.lower()));
+            assert!(growth.is_nan() || growth >= 1e12, "{penalty:?}: stable above {step:?}");
         }
         let growth = grown(pencil, &PredictorCorrector, penalty, 0.999 * step.lower());
         assert!(growth < 1e6, "{penalty:?}: grows by {growth:e} below {}", step.lower());

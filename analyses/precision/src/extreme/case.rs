@@ -2,13 +2,27 @@
 
 use std::fmt;
 
-/// What a case is held against.
+use serde::{Serialize, Serializer};
+
+use crate::measurement::number;
+
+/// What a case has computed, or should have.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Reference {
-    /// The exact value, rounded to f64.
+pub enum Answer {
+    /// A number; of a reference the exact value, rounded to f64.
     Value(f64),
-    /// A refusal whose message names this quantity.
+    /// A refusal: its message; of a reference the quantity that the message must name.
     Refused(String),
+}
+
+/// A number, or `refused: ` with the message.
+impl Serialize for Answer {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Value(value) => number(&Some(*value), serializer),
+            Self::Refused(text) => serializer.collect_str(&format_args!("refused: {text}")),
+        }
+    }
 }
 
 /// What a case has found.
@@ -46,44 +60,39 @@ impl fmt::Debug for Case {
     }
 }
 
-/// What came out of a case.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Computed {
-    /// A number.
-    Value(f64),
-    /// The message of a refusal.
-    Refused(String),
-}
-
-/// A case with its verdict.
-#[derive(Debug, Clone, PartialEq)]
+/// A case with its verdict: a row of the records.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Checked {
     /// Name of the case.
     pub case: String,
     /// The quantity, with what computed it.
     pub quantity: String,
     /// What came out.
-    pub computed: Computed,
+    pub computed: Answer,
     /// What should have come out.
-    pub reference: Reference,
-    /// |computed - reference|/|reference|; infinite where the reference is 0 and the value is not.
+    pub reference: Answer,
+    /// |computed - reference|/|reference|; infinite where the reference is 0 and the value is not; none
+    /// for a refusal.
+    #[serde(serialize_with = "number")]
     pub relative_error: Option<f64>,
     /// The largest that is allowed.
+    #[serde(serialize_with = "number")]
     pub allowed: Option<f64>,
-    /// The formula of `allowed`.
-    pub formula: &'static str,
     /// Whether the case holds.
     pub holds: bool,
+    /// The formula of `allowed` in u = 2^-53; empty for a refusal.
+    #[serde(rename = "allowed_formula")]
+    pub formula: &'static str,
 }
 
 impl Case {
     /// Computes, and compares with `reference`.
-    pub fn check(&self, reference: &Reference) -> Checked {
+    pub fn check(&self, reference: &Answer) -> Checked {
         let by = if self.by.is_empty() { String::new() } else { format!(" ({})", self.by) };
         let checked = Checked {
             case: self.name.clone(),
             quantity: format!("{}{by}", self.quantity),
-            computed: Computed::Value(f64::NAN),
+            computed: Answer::Value(f64::NAN),
             reference: reference.clone(),
             relative_error: None,
             allowed: None,
@@ -91,26 +100,22 @@ impl Case {
             holds: false,
         };
         match ((self.compute)(), reference) {
-            (Ok(found), Reference::Value(exact)) => {
+            (Ok(found), Answer::Value(exact)) => {
                 let error = relative_error(found.value, *exact);
                 Checked {
-                    computed: Computed::Value(found.value),
+                    computed: Answer::Value(found.value),
                     relative_error: Some(error),
                     allowed: Some(found.allowed),
                     holds: error <= found.allowed && found.encloses(*exact),
                     ..checked
                 }
             }
-            (Ok(found), Reference::Refused(_)) => {
-                Checked { computed: Computed::Value(found.value), ..checked }
-            }
-            (Err(message), Reference::Refused(quantity)) => {
+            (Ok(found), Answer::Refused(_)) => Checked { computed: Answer::Value(found.value), ..checked },
+            (Err(message), Answer::Refused(quantity)) => {
                 let holds = message.contains(quantity.as_str());
-                Checked { computed: Computed::Refused(message), holds, ..checked }
+                Checked { computed: Answer::Refused(message), holds, ..checked }
             }
-            (Err(message), Reference::Value(_)) => {
-                Checked { computed: Computed::Refused(message), ..checked }
-            }
+            (Err(message), Answer::Value(_)) => Checked { computed: Answer::Refused(message), ..checked },
         }
     }
 }

@@ -11,7 +11,7 @@ mod refusals;
 mod spectra;
 mod stepping;
 
-pub use case::{Case, Checked, Computed, Found, Reference};
+pub use case::{Answer, Case, Checked, Found};
 pub use references::{References, Unreadable};
 
 /// Every extreme case, in a fixed order.

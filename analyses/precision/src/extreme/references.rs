@@ -1,6 +1,6 @@
 //! The references of `tests/data/extreme_cases.csv`, made by `extreme_cases.py` beside it.
 
-use super::{Case, Reference};
+use super::{Answer, Case};
 
 const TABLE: &str = include_str!("../../../../tests/data/extreme_cases.csv");
 
@@ -44,13 +44,13 @@ impl<'a> References<'a> {
     ///
     /// # Errors
     /// [`Unreadable`] if the table has no number for it.
-    pub fn of(&self, case: &Case) -> Result<Reference, Unreadable> {
+    pub fn of(&self, case: &Case) -> Result<Answer, Unreadable> {
         if let Some(quantity) = case.refusal {
-            return Ok(Reference::Refused(quantity.to_owned()));
+            return Ok(Answer::Refused(quantity.to_owned()));
         }
         let found = self.0.iter().find(|row| row[0] == case.name && row[1] == case.quantity);
         let value = found.and_then(|row| row[3].parse().ok());
         let missing = || Unreadable { case: case.name.clone(), quantity: case.quantity.to_owned() };
-        value.map(Reference::Value).ok_or_else(missing)
+        value.map(Answer::Value).ok_or_else(missing)
     }
 }

@@ -1,0 +1,309 @@
+//! Bodies of any kind on their way to each other: a pencil with gaps, initial velocities and loads, and its passage in time.
+//!
+//! A mesh brings its matrices, contacts and the velocities of its bodies; a row of bars its model; anything else a
+//! [`Pencil`]. Contact is unilateral at every gap.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::advance::{Pace, Progress, advance, steps};
+use super::run::{MAX_STEPS, contact_free_step};
+use super::{Ending, Mesh, Record};
+use crate::error::Refusal;
+use crate::memory;
+use crate::mesh::{Assembled, Elements, HELD, MeshImpact};
+use crate::pencil::{Bounds, Gap, Matrix, Penalty, Pencil};
+use crate::schemes::{ContactRule, Energy, Motion, Scheme, System};
+use crate::stability::Model;
+
+/// Bodies, how they move at the start, and what pulls at them. Cheap to clone but for the vectors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Encounter {
+    pencil: Pencil,
+    velocity: Vec<f64>,
+    load: Vec<f64>,
+    critical_step: f64,
+}
+
+impl Encounter {
+    /// The encounter of `pencil` from u = 0 and v (m/s), under constant nodal forces f (N; empty for none). `critical_step`
+    /// (s) is 2/omega_max without contact or less: what C = dt/dt_cr is measured in, and what the Park scheme refers to.
+    ///
+    /// # Errors
+    /// Vectors that do not fit the pencil, numbers that are not finite, a step that is not positive.
+    pub fn new(
+        pencil: Pencil,
+        velocity: Vec<f64>,
+        load: Vec<f64>,
+        critical_step: f64,
+    ) -> Result<Self, Refusal> {
+        let n = pencil.size();
+        for (place, vector, allowed) in [
+            ("velocity", &velocity, format!("{n} finite numbers")),
+            ("load", &load, format!("no number, or {n} finite numbers")),
+        ] {
+            let fits = vector.len() == n || (place == "load" && vector.is_empty());
+            if !fits || vector.iter().any(|x| !x.is_finite()) {
+                return Err(Refusal::new(place, format!("{} numbers", vector.len()), allowed));
+            }
+        }
+        if !(critical_step > 0.0 && critical_step.is_finite()) {
+            return Err(Refusal::new("critical step", critical_step, "a positive finite number (s)"));
+        }
+        Ok(Self { pencil, velocity, load, critical_step })
+    }
+
+    /// The bars of a model as its scene has them thrown.
+    ///
+    /// # Errors
+    /// A contact-free limit that is not certified.
+    pub fn of_bars(model: &Model) -> Result<Self, Refusal> {
+        let mesh = Mesh::new(model.scene());
+        Self::new(model.pencil(), mesh.velocity(), mesh.load(), contact_free_step(model)?)
+    }
+
+    /// The bodies of a mesh with their velocities, under the gravity of `impact`; its gaps are those of the assembled
+    /// contacts. `l_max` is an upper bound of the largest eigenvalue of (K, M), which gives the critical step, and
+    /// `reference` the omega^2 in which penalty ratios are measured, both in rad^2/s^2.
+    ///
+    /// # Errors
+    /// As [`Encounter::new`]; matrices that are no pencil.
+    pub fn of_mesh(
+        assembled: &Assembled,
+        impact: &MeshImpact,
+        l_max: f64,
+        reference: f64,
+    ) -> Result<Self, Refusal> {
+        let Assembled { stiffness, mass, elements, .. } = assembled;
+        let stiffness = Matrix::Sparse(stiffness.clone());
+        let bounds = bounds(&stiffness, mass, elements)?;
+        let pencil =
+            Pencil::of_checked_elements(stiffness, mass.clone(), assembled.gaps(), bounds, reference)?;
+        let velocity = of_unknowns(elements, |body| elements.bodies[body].velocity);
+        let load = match impact.gravity == [0.0; 3] {
+            true => Vec::new(),
+            false => weight(&pencil, &of_unknowns(elements, |_| impact.gravity)),
+        };
+        Self::new(pencil, velocity, load, 2.0 / l_max.sqrt())
+    }
+
+    /// The same bodies with other initial gaps g0, m, one a contact; negative where open.
+    ///
+    /// # Errors
+    /// A number of gaps that is not that of the contacts, and gaps that are not finite.
+    pub fn with_gaps(self, initial: &[f64]) -> Result<Self, Refusal> {
+        let known = self.pencil.gaps();
+        if initial.len() != known.len() || initial.iter().any(|gap| !gap.is_finite()) {
+            let allowed = format!("{} finite numbers, one a contact", known.len());
+            return Err(Refusal::new("initial gaps", format!("{initial:?}"), allowed));
+        }
+        let gaps = known.iter().zip(initial).map(|(gap, initial)| Gap { initial: *initial, ..gap.clone() });
+        Ok(Self { pencil: self.pencil.with_gaps(gaps.collect()), ..self })
+    }
+
+    /// The same bodies with another initial velocity, m/s.
+    ///
+    /// # Errors
+    /// As [`Encounter::new`].
+    pub fn with_velocity(self, velocity: Vec<f64>) -> Result<Self, Refusal> {
+        Self::new(self.pencil, velocity, self.load, self.critical_step)
+    }
+
+    /// f, N; empty for none.
+    pub fn load(&self) -> &[f64] {
+        &self.load
+    }
+
+    /// K, M and the contacts.
+    pub fn pencil(&self) -> &Pencil {
+        &self.pencil
+    }
+
+    /// The initial velocity, m/s.
+    pub fn velocity(&self) -> &[f64] {
+        &self.velocity
+    }
+
+    /// dt_cr, s.
+    pub fn critical_step(&self) -> f64 {
+        self.critical_step
+    }
+
+    /// The penalty of all contacts for (beta_s, r).
+    pub fn penalty(&self, beta_s: f64, ratio: f64) -> Penalty {
+        Penalty { stiffness: beta_s, rate: ratio * self.pencil.reference(), ..Penalty::NONE }
+    }
+}
+
+/// An encounter stepped in time.
+#[derive(Debug, Clone)]
+pub struct Passage {
+    encounter: Encounter,
+    scheme: Arc<dyn Scheme>,
+    penalty: Penalty,
+    rule: ContactRule,
+    relative_courant: f64,
+    duration: f64,
+}
+
+impl Passage {
+    /// `encounter` by `scheme` with the time step C dt_cr over `duration` (s).
+    ///
+    /// # Errors
+    /// A C or a duration that is not positive and finite, more than [`MAX_STEPS`] steps.
+    pub fn new(
+        encounter: Encounter,
+        scheme: impl Into<Arc<dyn Scheme>>,
+        penalty: Penalty,
+        relative_courant: f64,
+        duration: f64,
+    ) -> Result<Self, Refusal> {
+        for (place, value) in [("relative Courant number", relative_courant), ("duration", duration)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Refusal::new(place, value, "a positive finite number"));
+            }
+        }
+        let (scheme, rule) = (scheme.into(), ContactRule::Unilateral);
+        let passage = Self { encounter, scheme, penalty, rule, relative_courant, duration };
+        let steps = duration / passage.time_step();
+        if steps > MAX_STEPS {
+            let value = format!("{duration:e}, which makes {steps:.3e} steps");
+            return Err(Refusal::new("duration", value, format!("at most {MAX_STEPS:e} steps")));
+        }
+        Ok(passage)
+    }
+
+    /// The same passage with contacts held open or closed.
+    pub fn with_rule(self, rule: ContactRule) -> Self {
+        Self { rule, ..self }
+    }
+
+    /// The encounter.
+    pub fn encounter(&self) -> &Encounter {
+        &self.encounter
+    }
+
+    /// dt, s.
+    pub fn time_step(&self) -> f64 {
+        self.relative_courant * self.encounter.critical_step
+    }
+
+    /// Steps until the duration is reached or passed.
+    pub fn steps(&self) -> u64 {
+        steps(self.duration, self.time_step())
+    }
+
+    /// The motion at time 0; `account` as in [`System`].
+    ///
+    /// # Errors
+    /// As [`Scheme::start`].
+    pub fn prepare(&self, account: bool) -> Result<Box<dyn Motion>, Refusal> {
+        let Encounter { pencil, velocity, load, critical_step } = &self.encounter;
+        let system = System {
+            pencil,
+            penalty: self.penalty,
+            load: load.clone(),
+            time_step: self.time_step(),
+            critical_step: *critical_step,
+            rule: self.rule,
+            account,
+        };
+        self.scheme.start(system, vec![0.0; pencil.size()], velocity.clone())
+    }
+
+    /// Steps through the passage, with a row every so many steps, the first and the last among them. `see` is shown each
+    /// recorded state, for pictures.
+    ///
+    /// # Errors
+    /// As [`Passage::prepare`]; rows every 0 steps, and more rows than the memory holds.
+    pub fn execute(
+        &self,
+        every: u64,
+        progress: Option<Progress>,
+        mut see: impl FnMut(f64, &dyn Motion),
+    ) -> Result<Record, Refusal> {
+        self.check_rows(every)?;
+        let mut motion = self.prepare(true)?;
+        let mut record = Record::new(self.encounter.pencil.gaps().len());
+        let dt = self.time_step();
+        let pace = Pace { steps: self.steps(), time_step: dt, reference_speed: self.reference_speed() };
+        let note = |step: u64, last: bool, motion: &mut dyn Motion| {
+            if step.is_multiple_of(every) || last {
+                record.note(step as f64 * dt, motion);
+                see(step as f64 * dt, motion);
+            }
+        };
+        let ending = advance(&mut *motion, pace, progress, note);
+        (record.switches, record.steps, record.ending) =
+            (motion.state().switches, motion.state().steps, ending);
+        Ok(record)
+    }
+
+    fn check_rows(&self, every: u64) -> Result<(), Refusal> {
+        if every == 0 {
+            return Err(Refusal::new("steps between records", 0, "at least 1"));
+        }
+        let rows = self.steps() / every + 2;
+        let row = (8 + 16 * self.encounter.pencil.gaps().len() + size_of::<Energy>()) as u64;
+        memory::require(
+            ("steps between records", &every.to_string()),
+            &format!("{rows} rows"),
+            rows * row,
+            |available| super::least_every(self.steps(), 1, row, available),
+        )
+    }
+
+    /// The largest initial speed plus what the load adds over the duration, m/s.
+    fn reference_speed(&self) -> f64 {
+        let Encounter { pencil, velocity, load, .. } = &self.encounter;
+        let initial = velocity.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+        let rate = |(i, f): (usize, &f64)| f.abs() / pencil.mass().diagonal(i);
+        initial + self.duration * load.iter().enumerate().map(rate).fold(0.0, f64::max)
+    }
+}
+
+impl Ending {
+    /// Whether the duration was reached.
+    pub fn is_finished(self) -> bool {
+        self == Self::Finished
+    }
+}
+
+/// A vector of one value for each body and direction on the free unknowns.
+fn of_unknowns(elements: &Elements, of: impl Fn(usize) -> [f64; 3]) -> Vec<f64> {
+    let d = elements.dimension;
+    let mut vector = Vec::with_capacity(elements.unknowns());
+    for (body, ends) in elements.first.windows(2).enumerate() {
+        let value = of(body);
+        let dofs = &elements.dofs[ends[0].0 * d..ends[1].0 * d];
+        let free = dofs.iter().enumerate().filter(|(_, dof)| **dof != HELD);
+        vector.extend(free.map(|(at, _)| value[at % d]));
+    }
+    vector
+}
+
+/// M b: without the share of supports, which take it themselves.
+fn weight(pencil: &Pencil, acceleration: &[f64]) -> Vec<f64> {
+    let mut load = vec![0.0; pencil.size()];
+    pencil.mass().multiply(acceleration, &mut load);
+    load
+}
+
+/// Bounds by D = diag(M): rows of |K| over D, and of each element D <= c M_e, |M_e| <= c M_e.
+fn bounds(stiffness: &Matrix, mass: &Matrix, elements: &Elements) -> Result<Bounds, Refusal> {
+    let quotient = |i: usize| stiffness.row(i).map(|(_, k)| k.abs()).sum::<f64>() / mass.diagonal(i);
+    // The longest rows, of hex20, have 243 entries: as many roundings, and a division.
+    let rows = (0..stiffness.size()).map(quotient).fold(0.0, f64::max) * (1.0 + 256.0 * f64::EPSILON);
+    if mass.is_diagonal() {
+        return Ok(Bounds { stiffness: rows, mass: 1.0 });
+    }
+    let condition = |e: usize| {
+        let (_, m) = elements.matrices(e)?;
+        let refusal = || Refusal::new("mass", format!("element {e}"), "a positive definite mass");
+        Ok(Bounds::of_element(&m, &m, m.len().isqrt()).ok_or_else(refusal)?.mass)
+    };
+    let larger = |a: f64, b: f64| Ok(a.max(b));
+    let condition = (0..elements.len()).into_par_iter().map(condition).try_reduce(|| 1.0, larger)?;
+    Ok(Bounds { stiffness: rows * condition, mass: condition })
+}

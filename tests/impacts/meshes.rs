@@ -1,0 +1,187 @@
+//! Impacts of meshes beside those of bars and beside exact solutions.
+
+use bipenalty::fem::MassMatrix;
+use bipenalty::impact::{Encounter, Exact, Passage, Record, Recording, Run};
+use bipenalty::mesh::MeshScene;
+use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
+use bipenalty::pencil::Penalty;
+use bipenalty::scene::{Bar, End, Impact, Scene, built_in};
+use bipenalty::schemes::SchemeName;
+use bipenalty::spectrum::{Dense, Engine};
+use bipenalty::stability::Model;
+
+use super::conformance::{as_mesh, place};
+
+/// max |a - b| over max |a|.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let size = a.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / size
+}
+
+/// Three bars between a free end and a wall.
+fn row() -> Scene {
+    let bar = |elements, velocity| Bar {
+        length: 0.1 * elements as f64,
+        elements,
+        youngs_modulus: 1.0,
+        density: 1.0,
+        area: 1.0,
+        velocity,
+    };
+    let impact = Impact { duration: 6.0, gaps: vec![0.02, 0.0, 0.1], gravity: 0.3 };
+    Scene::new("row", End::Free, vec![bar(4, 0.4), bar(1, 0.0), bar(6, -0.7)], End::Wall, Some(impact))
+        .unwrap()
+}
+
+/// The history of a run of bars is that of their encounter, digit for digit, and of the same matrices without the structure
+/// of bars to rounding. Central differences magnify it by hundreds of switches: fewer steps are asked of them.
+#[test]
+fn bars_as_meshes_give_the_same_histories() {
+    for scene in [built_in("signorini").unwrap().unwrap(), built_in("hunek").unwrap().unwrap(), row()] {
+        for mass in [MassMatrix::LUMPED, MassMatrix::CONSISTENT] {
+            for beta_s in [1.0, 1e4, 1e12] {
+                let model = Model::new(scene.clone(), mass, PenaltyMass::Consistent);
+                for scheme in SchemeName::ALL {
+                    let (beta, ratio) = (StiffnessPenalty::new(beta_s).unwrap(), Ratio::OPTIMAL);
+                    let run = Run::new(model.clone(), scheme, beta, ratio).unwrap();
+                    let steps = if scheme == SchemeName::CentralDifference { 60 } else { run.steps() };
+                    let run = run.clone().with_duration(steps as f64 * run.time_step()).unwrap();
+                    let history =
+                        run.execute(&Recording { energies: true, ..Recording::default() }, None).unwrap();
+                    let bars = Encounter::of_bars(&model).unwrap();
+                    let pencil = as_mesh(bars.pencil());
+                    let n = pencil.size();
+                    let mut velocity = vec![0.0; n];
+                    let mut load = if bars.load().is_empty() { Vec::new() } else { vec![0.0; n] };
+                    for i in 0..n {
+                        velocity[place(i, n)] = bars.velocity()[i];
+                        if let Some(f) = bars.load().get(i) {
+                            load[place(i, n)] = *f;
+                        }
+                    }
+                    let mesh = Encounter::new(pencil, velocity, load, bars.critical_step()).unwrap();
+                    let passed = |encounter: Encounter| {
+                        let penalty = encounter.penalty(beta_s, 1.0);
+                        Passage::new(encounter, scheme, penalty, 0.5, run.duration())
+                            .unwrap()
+                            .execute(1, None, |_, _| ())
+                            .unwrap()
+                    };
+                    let (of_bars, of_mesh) = (passed(bars), passed(mesh));
+                    let what =
+                        format!("{} {} {} {beta_s:e}", model.scene().name(), mass.name(), scheme.name());
+                    assert_eq!(history.force, of_bars.force, "{what}");
+                    assert_eq!(history.energy, of_bars.energy, "{what}");
+                    assert_eq!(of_bars.time.len(), of_mesh.time.len());
+                    let found = [
+                        distance(&of_bars.force, &of_mesh.force),
+                        distance(&of_bars.gap, &of_mesh.gap),
+                        (of_bars.energy.last().unwrap().stored() / of_mesh.energy.last().unwrap().stored()
+                            - 1.0)
+                            .abs(),
+                    ];
+                    let allowed = if scheme == SchemeName::CentralDifference && of_bars.switches > 30 {
+                        1e-3
+                    } else {
+                        1e-9
+                    };
+                    assert!(
+                        found.iter().all(|d| *d <= allowed),
+                        "{what} {found:?}, {} switches",
+                        of_bars.switches
+                    );
+                    assert!(
+                        of_mesh.imbalance()
+                            <= 4.0 * f64::EPSILON * of_mesh.steps as f64 * of_mesh.largest_energy(),
+                        "{what}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A block of 40 x 3 squares, held at its sides, that hits a wall at once: a bar of the modulus of plane strain waves.
+fn block(gap: f64, cells: [usize; 2], mass: MassMatrix) -> Encounter {
+    let text = format!(
+        "name = \"block\"\ndimension = 2\nplane = \"strain\"\n[[body]]\nname = \"block\"\nbox = [0.6, 8.0]\ncells = {cells:?}\n\
+         element = \"quad4\"\nyoungs_modulus = 52.0\npoissons_ratio = 0.3\ndensity = 0.7\nvelocity = [0.0, -0.1]\n\
+         [[contact]]\nsurfaces = [\"block.bottom\", \"wall\"]\n\
+         [[hold]]\nsurface = \"block.left\"\ndirections = [\"x\"]\n[[hold]]\nsurface = \"block.right\"\ndirections = [\"x\"]\n\
+         [impact]\nduration = 1.0\ngaps = [{gap:?}]\n"
+    );
+    let scene = MeshScene::parse(&text, "block.toml").unwrap();
+    let assembled = scene.assemble(mass).unwrap();
+    let impact = scene.impact.unwrap();
+    let with = |l_max: f64| Encounter::of_mesh(&assembled, &impact, l_max, l_max).unwrap();
+    let l_max = Dense::new(with(1.0).pencil()).unwrap().enclose(&Penalty::NONE, None).unwrap().upper;
+    with(l_max)
+}
+
+/// The same as a bar: E (1 - nu)/((1 + nu)(1 - 2 nu)).
+fn bar(gap: f64, elements: usize) -> Scene {
+    let modulus = 52.0 * 0.7 / (1.3 * 0.4);
+    let bar = Bar { length: 8.0, elements, youngs_modulus: modulus, density: 0.7, area: 0.6, velocity: 0.1 };
+    let impact = Impact { duration: 3.0, gaps: vec![gap], gravity: 0.0 };
+    Scene::new("bar", End::Free, vec![bar], End::Wall, Some(impact)).unwrap()
+}
+
+#[test]
+fn a_block_held_at_its_sides_is_a_bar() {
+    let (gap, cells) = (0.05, [3, 40]);
+    let block = block(gap, cells, MassMatrix::LUMPED);
+    let scene = bar(gap, 40);
+    let model = Model::new(scene.clone(), MassMatrix::LUMPED, PenaltyMass::Consistent);
+    let exact = Exact::of(&scene, 3.0).unwrap();
+    // Without penalty the same step gives the same motion: plane waves of the block are those of the bar.
+    let passage = |encounter: Encounter, scheme, step: f64, at: (f64, f64)| {
+        let penalty = encounter.penalty(at.0, at.1);
+        let c = step / encounter.critical_step();
+        Passage::new(encounter, scheme, penalty, c, 3.0).unwrap().execute(1, None, |_, _| ()).unwrap()
+    };
+    let step = 0.5 * block.critical_step();
+    let thin = Encounter::of_bars(&model).unwrap();
+    for scheme in [SchemeName::Lagrange, SchemeName::MoreauJean, SchemeName::PaoliSchatzman] {
+        let (a, b) = (
+            passage(block.clone(), scheme, step, (0.0, 1.0)),
+            passage(thin.clone(), scheme, step, (0.0, 1.0)),
+        );
+        let found = distance(&b.force, &a.resultant());
+        println!("{}: {found:e}", scheme.name());
+        assert!(found < 1e-10, "{} {found:e}", scheme.name());
+    }
+    for scheme in [SchemeName::PredictorCorrector, SchemeName::Buffered, SchemeName::Lagrange] {
+        let record = passage(block.clone(), scheme, step, (1e4, 1.0));
+        let squares = record.time.iter().zip(record.resultant()).map(|(t, f)| (f - exact.force(*t)).powi(2));
+        let rms = (squares.sum::<f64>() / record.time.len() as f64).sqrt() / exact.peak_force();
+        println!("{}: rms {rms:.4}", scheme.name());
+        assert!(rms < 0.1, "{} {rms}", scheme.name());
+    }
+}
+
+/// Where the penalty is large, forces no longer depend on it: 1e12 agrees with 1e8 to some hundred times 1e-8, while the
+/// textbook form would leave 1e-4 of noise.
+#[test]
+fn forces_and_gaps_of_meshes_do_not_cancel_at_a_large_penalty() {
+    for mass in [MassMatrix::LUMPED, MassMatrix::CONSISTENT] {
+        let block = block(0.01, [4, 6], mass);
+        for scheme in [SchemeName::PredictorCorrector, SchemeName::Park, SchemeName::Buffered] {
+            let record = |beta_s: f64| {
+                let passage =
+                    Passage::new(block.clone(), scheme, block.penalty(beta_s, 1.0), 0.3, 0.5).unwrap();
+                passage.execute(1, None, |_, _| ()).unwrap()
+            };
+            let (large, huge) = (record(1e8), record(1e12));
+            // The penetration of the other two is that of the step, 1 - 4 r C^2, and not of the penalty.
+            let power = if scheme == SchemeName::Buffered { 1.0 } else { 0.0 };
+            let closed = |record: &Record, beta_s: f64| {
+                record.gap.iter().map(|gap| gap.max(0.0) * beta_s.powf(power)).collect::<Vec<f64>>()
+            };
+            let (force, gap) =
+                (distance(&large.force, &huge.force), distance(&closed(&large, 1e8), &closed(&huge, 1e12)));
+            println!("{} {}: force {force:.1e} gap {gap:.1e}", mass.name(), scheme.name());
+            assert!(force < 1e-5 && gap < 1e-5, "{} {} {force:e} {gap:e}", mass.name(), scheme.name());
+        }
+    }
+}
