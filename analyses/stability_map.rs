@@ -10,8 +10,8 @@ use std::process::ExitCode;
 use analyses::charts;
 use analyses::cli::{
     Analysis, Chart, FEW_POINTS, Format, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress,
-    RatioSpec, SceneOptions, Solved, Verdict, check_stems, governing_answer, hold_step, narrate, paper,
-    point_answers, print_summaries, redraw_stability, step_and_cost,
+    RatioSpec, SceneOptions, Solved, Units, Verdict, check_stems, governing_answer, hold_step, narrate,
+    paper, point_answers, print_summaries, redraw_stability, step_and_cost,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{StabilityRow, StepRow, Subject};
@@ -28,6 +28,9 @@ struct Options {
     /// Stiffness penalties: a list 0,0.5,10 or lin:0:10:401 or log:1e-3:1e12:301 (start:stop:count)
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
     beta_s: Option<Axis>,
+    /// Stiffness penalties s in N/m, in the same forms, instead of beta_s: s of the contact of smallest scale, no other is softer
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, conflicts_with = "beta_s")]
+    stiffness: Option<Axis>,
     /// Penalty ratios r, in the same forms; inf is the pure penalty method, plastic the ratio of zero penetration
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
     ratio: Option<RatioSpec>,
@@ -39,9 +42,12 @@ struct Options {
     time_step: Option<f64>,
     #[command(flatten)]
     limit: LimitOptions,
+    /// Units of the axes of the charts; the records hold both
+    #[arg(long, value_name = "UNITS", default_value = "dimensionless")]
+    units: Units,
     /// Draw the records of a CSV file, written by an earlier run, again without computing
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
-        "elements", "mass", "penalty_mass", "beta_s", "ratio", "relative_courant", "time_step", "limit", "theta", "parameter", "damping_mass",
+        "elements", "mass", "penalty_mass", "beta_s", "stiffness", "ratio", "relative_courant", "time_step", "limit", "theta", "parameter", "damping_mass",
         "damping_stiffness", "damping_contact", "engine", "tolerance", "patch"])]
     from: Option<PathBuf>,
     #[command(flatten)]
@@ -51,6 +57,7 @@ struct Options {
 const EXAMPLES: &str = "Examples:
   stability-map                                     the charts of the paper and maps beyond it
   stability-map my-bars.toml --beta-s 10 --ratio 1  the linear limit of closed contact of my bars
+  stability-map my-bars.toml --stiffness log:1e6:1e12:61 --units si   the same over N/m, in seconds
   stability-map my-bars.toml --time-step 1e-7 --beta-s 1e4   is my step within the limit, what does it stand?
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
@@ -118,7 +125,7 @@ impl Analysis for Options {
     fn compute(&self, plan: Plan, output: &Output) -> Result<(Found, usize)> {
         match plan {
             Plan::Redraw(file) => {
-                let (rows, files) = redraw_stability(&file, output)?;
+                let (rows, files) = redraw_stability(&file, self.units, output)?;
                 Ok((Found { rows, ..Found::default() }, files))
             }
             Plan::Jobs(jobs) => compute(self, &jobs, output),
@@ -164,7 +171,7 @@ fn compute(options: &Options, jobs: &[Job], output: &Output) -> Result<(Found, u
         let rows: Vec<Vec<StabilityRow>> = solved.iter().map(rows).collect::<Result<_, Refusal>>()?;
         files += output.write_rows(&job.stem, &rows.concat())?.len();
         if output.wants_figures() {
-            files += draw(job, &rows, &options.limit, output)?;
+            files += draw(job, &rows, options, output)?;
         }
         if job.chart != Chart::MassFamily {
             found.summaries.extend(solved.iter().map(MapSummary::of));
@@ -218,11 +225,17 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         check_step(options, time_step)?;
     }
     let scenes = options.scene.scenes()?;
-    let own_axes = options.beta_s.is_some() || options.ratio.is_some() || options.scene.elements.is_some();
+    let own_axes = options.beta_s.is_some()
+        || options.stiffness.is_some()
+        || options.ratio.is_some()
+        || options.scene.elements.is_some();
     let jobs = if scenes.is_empty() && own_axes {
-        return Err(
-            Refusal::new("SCENE", "none", "at least one scene with --beta-s, --ratio or --elements").into()
-        );
+        return Err(Refusal::new(
+            "SCENE",
+            "none",
+            "at least one scene with --beta-s, --stiffness, --ratio or --elements",
+        )
+        .into());
     } else if scenes.is_empty() {
         let remeshed = |name: &str, elements: usize| match built_in(name) {
             Some(scene) => Ok(scene?.with_elements(elements)?),
@@ -230,7 +243,6 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         };
         paper(&remeshed, &options.scene.masses(), options.scene.penalty_mass.into())?
     } else {
-        let asked = options.beta_s.clone();
         let linear = Axis::linear(0.0, 10.0, 401)?;
         let spec = options.ratio.clone();
         let mut jobs = Vec::new();
@@ -250,7 +262,7 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
             let touches = model.contacts() > 0;
             let asks_map = touches && options.time_step.is_none();
             let usual = if asks_map { linear.clone() } else { Axis::list([0.0]) };
-            let beta_s = asked.clone().unwrap_or(usual);
+            let beta_s = penalties(options, &model)?.unwrap_or(usual);
             jobs.push(match &spec {
                 Some(RatioSpec::Plastic) => {
                     Job::plastic(stem, model, beta_s, options.relative_courant.unwrap_or(0.5))?
@@ -271,6 +283,21 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
     }
     check_stems(&options.output, jobs.iter().map(|job| job.stem.clone()))?;
     Ok(jobs)
+}
+
+/// beta_s as asked for: of a stiffness in N/m, divided by the smallest scale of the contacts.
+fn penalties(options: &Options, model: &AnyModel) -> Result<Option<Axis>, Refusal> {
+    match (&options.stiffness, model.smallest_scale()) {
+        (None, _) => Ok(options.beta_s.clone()),
+        (Some(stiffness), Some(scale)) => {
+            let values = stiffness.values.iter().map(|s| s / scale).collect();
+            Ok(Some(Axis { values, log: stiffness.log }))
+        }
+        (Some(_), None) => {
+            let value = format!("given with scene {}", model.name());
+            Err(Refusal::new("--stiffness", value, "a scene with at least one contact"))
+        }
+    }
 }
 
 /// Refuses a step that is none, and what does not go with one.
@@ -307,13 +334,20 @@ fn check_modes(job: &Job, limit: &LimitOptions) -> Result<()> {
 }
 
 /// Draws the chart of a job from its rows; contour lines come from the equation of a level, not from the grid.
-fn draw(job: &Job, rows: &[Vec<StabilityRow>], limit: &LimitOptions, output: &Output) -> Result<usize> {
+fn draw(job: &Job, rows: &[Vec<StabilityRow>], options: &Options, output: &Output) -> Result<usize> {
     let file = format!("{}.csv", job.stem);
-    let figure = match job.chart {
+    let mut lines = Vec::new();
+    let mut figure = match job.chart {
         Chart::None => return Ok(0),
         Chart::Curves => charts::curves(&file, rows, charts::is_logarithmic(&job.beta_s.values)),
         Chart::MassFamily => charts::mass_family(&file, rows),
-        Chart::Map => charts::map(rows, &job.contour_lines(rows, limit)?),
+        Chart::Map => {
+            lines = job.contour_lines(rows, &options.limit)?;
+            charts::map(rows, &lines)
+        }
     };
+    if options.units == Units::Si && job.chart != Chart::MassFamily {
+        figure = charts::in_si(figure, rows, &lines);
+    }
     Ok(output.write_figure(&job.stem, &figure)?.len())
 }

@@ -23,3 +23,5 @@ mod refusals;
 mod scenes;
 #[path = "models/stepping.rs"]
 mod stepping;
+#[path = "models/transformed.rs"]
+mod transformed;

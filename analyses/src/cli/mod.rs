@@ -5,6 +5,7 @@
 
 mod arguments;
 mod impacts;
+mod limit;
 mod maps;
 mod narration;
 mod opening;
@@ -22,12 +23,11 @@ pub use arguments::arguments;
 pub use impacts::{
     FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute, suffix,
 };
+pub use limit::{Limit, LimitOptions};
 pub use maps::{Chart, Job, Solved, check_touches, checked_grid, paper, require_memory};
 pub use narration::{Analysis, narrate};
 pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
-pub use options::{
-    Format, Limit, LimitOptions, OutputOptions, RatioSpec, SceneOptions, StandardOutput, WidthOption,
-};
+pub use options::{Format, OutputOptions, RatioSpec, SceneOptions, StandardOutput, Units, WidthOption};
 pub use output::{Output, check_stems};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use plan::{explain, step_and_cost};

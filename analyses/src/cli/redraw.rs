@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Chart, Output};
+use super::{Chart, Output, Units};
 use crate::error::{Refusal, Result};
 use figure::Figure;
 
@@ -13,10 +13,10 @@ use crate::record::{OptimalRatioRow, StabilityRow, optimal_ratio_rows, stability
 ///
 /// # Errors
 /// What [`stability_rows`] refuses, rows that make no chart, and what the system says of the files.
-pub fn redraw_stability(file: &Path, output: &Output) -> Result<(Vec<StabilityRow>, usize)> {
+pub fn redraw_stability(file: &Path, units: Units, output: &Output) -> Result<(Vec<StabilityRow>, usize)> {
     let rows = stability_rows(file)?;
     let key = |row: &StabilityRow| (row.scene.clone(), row.mass.clone(), row.elements, row.limit);
-    let figure = stability_figure(&models(&rows, key), file)?;
+    let figure = stability_figure(&models(&rows, key), file, units)?;
     let files = write(file, &rows, &figure, output)?;
     Ok((rows, files))
 }
@@ -46,7 +46,7 @@ fn models<R: Clone, K: PartialEq>(rows: &[R], key: impl Fn(&R) -> K) -> Vec<Vec<
 }
 
 /// The chart that the run has drawn from these rows, with contour lines interpolated on their grid.
-fn stability_figure(models: &[Vec<StabilityRow>], file: &Path) -> Result<Figure, Refusal> {
+fn stability_figure(models: &[Vec<StabilityRow>], file: &Path, units: Units) -> Result<Figure, Refusal> {
     let mut betas: Vec<f64> = models[0].iter().map(|row| row.stiffness_penalty.0).collect();
     let mut ratios: Vec<f64> = models[0].iter().map(|row| row.ratio.0).collect();
     ratios.dedup();
@@ -57,11 +57,12 @@ fn stability_figure(models: &[Vec<StabilityRow>], file: &Path) -> Result<Figure,
         chart => chart,
     };
     let name = stem(file)?.to_owned() + ".csv";
+    let mut lines = Vec::new();
     let figure = match chart {
         Chart::MassFamily => charts::mass_family(&name, models),
         Chart::Curves => charts::curves(&name, models, charts::is_logarithmic(&betas)),
         Chart::Map if models.iter().all(|rows| is_grid(rows)) => {
-            let lines: Vec<_> = models.iter().map(|rows| charts::interpolated_contours(rows)).collect();
+            lines = models.iter().map(|rows| charts::interpolated_contours(rows)).collect();
             charts::map(models, &lines)
         }
         Chart::Map | Chart::None => {
@@ -70,6 +71,18 @@ fn stability_figure(models: &[Vec<StabilityRow>], file: &Path) -> Result<Figure,
             let found = format!("{} rows of {} ratios", models[0].len(), ratios.len());
             return Err(Refusal::new(file.display().to_string(), found, allowed));
         }
+    };
+    let figure = match units {
+        Units::Si => {
+            let rows = || models.iter().flatten();
+            if rows().all(|row| row.penalty_stiffness.is_none()) || rows().all(|row| row.step_lower.is_none())
+            {
+                let allowed = "records with penalty_stiffness and critical_step, or --units dimensionless";
+                return Err(Refusal::new("--units", "si", allowed));
+            }
+            charts::in_si(figure, models, &lines)
+        }
+        Units::Dimensionless => figure,
     };
     let limits = models.windows(2).any(|pair| pair[0][0].limit != pair[1][0].limit);
     Ok(if limits { charts::titled_by_limit(figure, models) } else { figure })
