@@ -5,6 +5,9 @@ use crate::record::MeshRow;
 use figure::{At, Axis, Figure, Layer, Naming, Panel, Width, literal};
 
 const STIFFNESS: &str = "stiffness penalty *β*_{s}";
+/// Less than this is lost within the width of the exact step: it is drawn here.
+const LEAST: f64 = 1e-8;
+
 const RELATIVE: &str = "step / contact-free step";
 
 /// The step of pure penalty over beta_s, one curve an element, with the contact-free step in its name; a panel for the plane
@@ -42,14 +45,16 @@ pub fn sizes(rows: &[MeshRow]) -> Figure {
         };
         let ratios = distinct(of().map(|row| row.ratio.0));
         let layers = ratios.into_iter().enumerate().map(line).collect();
-        let x = Axis::log("cells of the upper body / of the lower");
-        Panel::new(x, Axis::log(RELATIVE), layers).titled(format!("*β*_{{s}} = {}", number(beta_s)))
+        let x = Axis::log("size of a cell, upper / lower body");
+        // A weak contact takes a few per cent.
+        let y = if beta_s <= 1.0 { Axis::linear(RELATIVE) } else { Axis::log(RELATIVE) };
+        Panel::new(x, y, layers).titled(format!("*β*_{{s}} = {}", number(beta_s)))
     };
     let panels = distinct(rows.iter().map(|row| row.stiffness_penalty.0)).into_iter().map(panel);
     in_rows(panels.collect())
 }
 
-/// How much too small the steps are that elements and patches of them prove; a panel an element, a line a penalty.
+/// How much too small the steps are that elements and patches of them prove, at least [`LEAST`]; a panel an element, a line a penalty.
 pub fn bounds(rows: &[MeshRow]) -> Figure {
     let mut kinds: Vec<&str> = rows.iter().map(|row| row.element).collect();
     kinds.dedup();
@@ -58,9 +63,7 @@ pub fn bounds(rows: &[MeshRow]) -> Figure {
             let of = rows.iter().filter(move |row| {
                 row.element == *kind && row.stiffness_penalty.0 == beta_s && row.ratio.0 == ratio
             });
-            of.filter_map(|row| Some((row.parameter?.0, -row.error.0)))
-                .filter(|(_, lost)| *lost > 0.0)
-                .collect()
+            of.filter_map(|row| Some((row.parameter?.0, (-row.error.0).max(LEAST)))).collect()
         };
         let lines = [
             (0.0, f64::INFINITY, "no contact".to_owned()),

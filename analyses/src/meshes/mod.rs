@@ -14,8 +14,8 @@ use bipenalty::stability::{AnyModel, Asking, Axis, CriticalStep, Grid};
 /// Elements in the plane and in space.
 pub const ELEMENTS: [[&str; 4]; 2] = [["tri3", "tri6", "quad4", "quad8"], ["tet4", "tet10", "hex8", "hex20"]];
 
-/// Width of the enclosures, relative: no line of a figure is as thin.
-const WIDTH: f64 = 1e-6;
+/// Width of the enclosures, relative: below what patches lose where they lose least.
+const WIDTH: f64 = 1e-9;
 
 /// dt with over without contact of the Abaqus 6.6 user's manual, table 29.3.6-1, for five scales of its default penalty.
 pub const MANUAL: [(f64, f64); 5] = [(1.0, 0.96), (10.0, 0.34), (1e2, 0.13), (1e3, 0.04), (1e4, 0.013)];
@@ -33,7 +33,7 @@ pub struct Fineness {
 
 impl Fineness {
     /// For the figures.
-    pub const FIGURES: Self = Self { plane: 24, space: 8, points: 61 };
+    pub const FIGURES: Self = Self { plane: 32, space: 10, points: 81 };
     /// For a test.
     pub const QUICK: Self = Self { plane: 6, space: 2, points: 7 };
 }
@@ -162,7 +162,8 @@ pub fn sizes(fine: &Fineness) -> Result<Vec<MeshRow>> {
     let (beta_s, ratios) = (Axis::list([1.0, 1e3]), Axis::list([1.0, 2.0, 4.0, f64::INFINITY]));
     let n = fine.plane;
     let mut rows = Vec::new();
-    for cells in [[2, 8], [4, 12], [4, 8], [6, 9], [8, 8], [9, 6], [8, 4], [12, 4], [8, 2]] {
+    for cells in [[2, 16], [2, 8], [4, 12], [4, 8], [6, 9], [8, 8], [9, 6], [8, 4], [12, 4], [8, 2], [16, 2]]
+    {
         let cells = cells.map(|cells| (cells * n / 6).max(1));
         let study = Study::new("sizes", "quad4", cells)?;
         let ratio = study.blocks.size_ratio();
