@@ -18,6 +18,8 @@ mod digits;
 mod energy;
 #[path = "stepping/limits.rs"]
 mod limits;
+#[path = "stepping/meshes.rs"]
+mod meshes;
 #[path = "stepping/opening.rs"]
 mod opening;
 #[path = "stepping/scheme_limits.rs"]

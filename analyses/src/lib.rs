@@ -8,6 +8,7 @@
 //!         options, arguments: what is typed; output: files and standard output; progress, summary, redraw
 //! record  rows -> CSV, JSON; the record of a figure; where rows come from; rows read back
 //! charts  rows -> figures, each layer with the rows that it shows
+//! meshes  the studies of meshes and what rules of thumb say of them
 //! error   what can stop a tool
 //! ```
 //! `bipenalty` computes and knows no tool; `figure` draws and knows no physics; `precision` measures errors and times.
@@ -15,4 +16,5 @@
 pub mod charts;
 pub mod cli;
 pub mod error;
+pub mod meshes;
 pub mod record;

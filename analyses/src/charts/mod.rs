@@ -3,6 +3,7 @@
 mod curve;
 pub mod impacts;
 mod maps;
+pub mod meshes;
 pub mod opening;
 pub mod precision;
 mod units;

@@ -11,6 +11,7 @@
 mod columns;
 mod figure_record;
 mod impact_rows;
+mod mesh_rows;
 mod opening_rows;
 mod provenance;
 mod read;
@@ -21,6 +22,7 @@ mod verify_rows;
 
 pub use figure_record::{Check, DataFile, FigureRecord};
 pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
+pub use mesh_rows::MeshRow;
 pub use opening_rows::{OpeningRow, Recommendation, scans};
 pub use provenance::Provenance;
 pub use read::{optimal_ratio_rows, stability_rows};

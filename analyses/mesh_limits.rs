@@ -1,0 +1,201 @@
+//! What does contact cost a mesh, what proves its step, and what do rules of thumb make of it?
+//!
+//! Two blocks, one on the other, in the plane and in space, with meshes that match and that do not, and a disc on a plane; every
+//! element; cells unlike in the two bodies; the bounds that single elements, patches of them and the whole matrix prove; rules
+//! of thumb of other codes with the sign of their error; the five penalty scales of a manual.
+
+use std::process::ExitCode;
+
+use analyses::charts;
+use analyses::cli::{Analysis, Output, OutputOptions, Progress, Verdict, narrate, print_table};
+use analyses::error::Result;
+use analyses::meshes::{self, Fineness};
+use analyses::record::{MeshRow, StabilityRow, Subject};
+use bipenalty::stability::{AnyModel, Asking, Axis, Grid};
+use clap::{Parser, ValueEnum};
+use figure::Figure;
+use rayon::prelude::*;
+
+/// Limits of meshes: elements, unlike cells, proofs, and rules of thumb; exit status 1 if a proven step is beyond the limit.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXAMPLES)]
+struct Options {
+    /// Studies: contact, elements, sizes, bounds, rules, scales [default: all]
+    #[arg(value_name = "STUDY")]
+    studies: Vec<Study>,
+    /// Coarse meshes and few points
+    #[arg(long)]
+    quick: bool,
+    #[command(flatten)]
+    output: OutputOptions,
+}
+
+const EXAMPLES: &str = "Examples:
+  mesh-limits                              all studies, into figures/mesh-limits/
+  mesh-limits rules --stdout csv --quiet   what rules of thumb say, on standard output
+  mesh-limits --quick                      coarse meshes, in seconds";
+
+/// One figure with its records.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Study {
+    /// C_r over beta_s for matching and unlike meshes
+    Contact,
+    /// Elements of first and second order
+    Elements,
+    /// Cells unlike in the two bodies
+    Sizes,
+    /// What elements, patches and the whole matrix prove
+    Bounds,
+    /// Rules of thumb beside the exact step
+    Rules,
+    /// Five penalty scales of a manual
+    Scales,
+}
+
+impl Study {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Contact => "contact",
+            Self::Elements => "elements",
+            Self::Sizes => "sizes",
+            Self::Bounds => "bounds",
+            Self::Rules => "rules",
+            Self::Scales => "scales",
+        }
+    }
+
+    /// The rows, and how they are drawn; `None` for the curves of contact.
+    fn rows(self, fine: &Fineness) -> Option<(Result<Vec<MeshRow>>, fn(&[MeshRow]) -> Figure)> {
+        Some(match self {
+            Self::Contact => return None,
+            Self::Elements => (meshes::elements(fine), charts::meshes::elements),
+            Self::Sizes => (meshes::sizes(fine), charts::meshes::sizes),
+            Self::Bounds => (meshes::bounds(fine), charts::meshes::bounds),
+            Self::Rules => (meshes::rules(fine), charts::meshes::rules),
+            Self::Scales => (meshes::scales(fine), charts::meshes::scales),
+        })
+    }
+}
+
+/// What was found.
+#[derive(Default)]
+struct Found {
+    contact: Vec<StabilityRow>,
+    rows: Vec<MeshRow>,
+}
+
+fn main() -> ExitCode {
+    narrate::<Options>()
+}
+
+impl Analysis for Options {
+    const NAME: &'static str = "mesh-limits";
+    type Plan = (Vec<Study>, Fineness);
+    type Found = Found;
+
+    fn output(&self) -> &OutputOptions {
+        &self.output
+    }
+
+    fn plan(&self) -> Result<Self::Plan> {
+        let all = Study::value_variants().iter().copied();
+        let asked = all.filter(|study| self.studies.is_empty() || self.studies.contains(study));
+        Ok((asked.collect(), if self.quick { Fineness::QUICK } else { Fineness::FIGURES }))
+    }
+
+    fn explain(&self, (studies, fine): &Self::Plan) -> Result<String> {
+        let names: Vec<&str> = studies.iter().map(|study| study.name()).collect();
+        let disc =
+            if meshes::disc().is_some() { "" } else { ", without the disc, whose mesh is not at hand" };
+        let Fineness { plane, space, points } = fine;
+        Ok(format!(
+            "{}: blocks of {plane} cells along an edge in the plane and {space} in space, {points} penalties{disc}; enclosed by \
+             the convex curve; left out: schemes other than central differences\n",
+            names.join(", ")
+        ))
+    }
+
+    fn compute(&self, (studies, fine): Self::Plan, output: &Output) -> Result<(Found, usize)> {
+        let progress = Progress::new(studies.len(), "studies", self.output.quiet);
+        let (mut found, mut files) = (Found::default(), 0);
+        for study in studies {
+            progress.doing(study.name());
+            files += match study.rows(&fine) {
+                None => contact(&fine, output, &mut found.contact)?,
+                Some((rows, draw)) => {
+                    let rows = rows?;
+                    let mut files = output.write_rows(study.name(), &rows)?.len();
+                    if output.wants_figures() {
+                        files += output.write_figure(study.name(), &draw(&rows))?.len();
+                    }
+                    found.rows.extend(rows);
+                    files
+                }
+            };
+            progress.add(1);
+        }
+        Ok((found, files))
+    }
+
+    fn print(&self, found: &Found, output: &Output) -> Result<()> {
+        // Rows of two kinds do not fit under one header: the curves of contact are printed where they are all there is.
+        if found.rows.is_empty() { output.print(&found.contact) } else { output.print(&found.rows) }
+    }
+
+    fn summarise(&self, found: &Found) {
+        summarise(&found.rows);
+    }
+
+    fn verdict(&self, found: &Found) -> Verdict {
+        if found.rows.iter().all(MeshRow::holds) { Verdict::Holds } else { Verdict::Fails }
+    }
+}
+
+/// C_r over beta_s of matching and unlike meshes.
+fn contact(fine: &Fineness, output: &Output, all: &mut Vec<StabilityRow>) -> Result<usize> {
+    let (beta_s, ratios) = (Axis::log(1e-2, 1e5, fine.points)?, Axis::list([0.25, 1.0, 4.0, f64::INFINITY]));
+    let grid = Grid::new(&beta_s, &ratios)?;
+    let rows = |model: &AnyModel| -> Result<Vec<StabilityRow>> {
+        let curves = model.map(&grid, &Asking { tolerance: Some(1e-4), ..Asking::default() }, &|_| ())?;
+        Ok(StabilityRow::of(&Subject::of(model)?, "spectrum", &curves))
+    };
+    let panels = meshes::contact_models(fine)?.par_iter().map(rows).collect::<Result<Vec<_>>>()?;
+    *all = panels.concat();
+    let mut files = output.write_rows("contact", all)?.len();
+    if output.wants_figures() {
+        files += output.write_figure("contact", &charts::curves("contact.csv", &panels, true))?.len();
+    }
+    Ok(files)
+}
+
+/// One line a study, mesh and estimate: between what its error lies.
+fn summarise(rows: &[MeshRow]) {
+    let mut kinds: Vec<(&str, &str, &str)> = Vec::new();
+    for row in rows.iter().filter(|row| row.estimate != "exact") {
+        let kind = (row.study, row.scene.as_str(), row.estimate);
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
+    let line = |kind: &(&str, &str, &str)| {
+        let of = || rows.iter().filter(|row| (row.study, row.scene.as_str(), row.estimate) == *kind);
+        let (low, high) = of().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), row| {
+            (low.min(row.error.0), high.max(row.error.0))
+        });
+        let percent = |error: f64| format!("{:+.2} %", 100.0 * error);
+        let (study, scene, estimate) = *kind;
+        let bold = of().filter(|row| row.step.0 > row.step_upper.0).count();
+        vec![
+            study.to_owned(),
+            scene.to_owned(),
+            estimate.to_owned(),
+            percent(low),
+            percent(high),
+            format!("{bold} of {}", of().count()),
+        ]
+    };
+    if !kinds.is_empty() {
+        let header = ["study", "mesh", "estimate", "least error", "largest error", "beyond the limit"];
+        print_table(&header, kinds.iter().map(line));
+    }
+}
