@@ -7,7 +7,8 @@
 mod conformance;
 
 use bipenalty::schemes::{
-    Buffered, CentralDifference, Lagrange, MoreauJean, PaoliSchatzman, Park, PredictorCorrector,
+    Buffered, CentralDifference, Lagrange, MassRedistribution, MoreauJean, PaoliSchatzman, Park,
+    PredictorCorrector,
 };
 use bipenalty::spectrum::Dense;
 use bipenalty::stability::EngineName;
@@ -35,4 +36,5 @@ scheme_conformance! {
     moreau_jean => MoreauJean::USUAL;
     moreau_jean_with_restitution => MoreauJean::new(0.5).unwrap();
     paoli_schatzman => PaoliSchatzman::USUAL;
+    mass_redistribution => MassRedistribution;
 }

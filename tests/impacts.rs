@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+#[path = "impacts/comparison.rs"]
+mod comparison;
 #[path = "common/conformance/mod.rs"]
 #[macro_use]
 mod conformance;

@@ -160,7 +160,8 @@ fn row(mirrored: bool) -> Scene {
 #[test]
 fn several_contacts_open_and_close_the_same_in_a_mirror() {
     for mass in MASSES {
-        for scheme in SchemeName::ALL {
+        // Mass redistribution refuses the bar of one element between two contacts.
+        for scheme in SchemeName::ALL.into_iter().filter(|name| *name != SchemeName::MassRedistribution) {
             let histories = [false, true].map(|mirrored| {
                 let model = Model::new(row(mirrored), mass, PenaltyMass::Consistent);
                 let beta_s = StiffnessPenalty::new(3.0).unwrap();

@@ -163,6 +163,12 @@ impl Pencil {
         Self::of_elements(parts.stiffness.clone(), parts.mass.clone(), gaps, parts.bounds, parts.reference)
     }
 
+    /// The same stiffness with another positive definite mass, and bounds that are no longer known to hold.
+    pub(crate) fn with_mass(&self, mass: Matrix) -> Self {
+        let parts = &*self.0;
+        Self::of_elements(parts.stiffness.clone(), mass, parts.gaps.clone(), parts.bounds, parts.reference)
+    }
+
     /// The pencil as a row of bars, if it is one.
     pub fn chain(&self) -> Option<ChainPencil<'_>> {
         match (&self.0.stiffness, &self.0.mass, &self.0.cuts) {

@@ -3,6 +3,9 @@
 //! A [`Scheme`] is a value with its parameters; it starts a [`Motion`] of a [`System`] of matrices and contacts, and knows
 //! the largest step that closed contact lets it make. Each has a folder of its own: facts, state and step, energy, limit.
 //! [`Body`], [`State`], [`Operator`] and [`Contacts`] are what they share, and what a scheme of one's own is made of.
+//! Beside the schemes of the paper there are [`Buffered`], central differences whose contact mass pays for what it takes, and
+//! schemes without penalty: [`Lagrange`], [`MoreauJean`], [`PaoliSchatzman`], [`MassRedistribution`]. All but the last share
+//! `impulses`.
 //! Sources: Kolman, Kopačka, González, Cho, Park, Math. Comput. Simulat. 189 (2021), 4.3 to 4.5 ("the paper"); Park, Lim,
 //! Huh, Int. J. Numer. Meth. Eng. 91 (2012); Cho, Park, Huh, Comput. Mech. 52 (2013).
 //!
@@ -27,6 +30,7 @@ mod impulses;
 mod inertia;
 mod kernels;
 mod lagrange;
+mod mass_redistribution;
 mod moreau_jean;
 mod name;
 mod operator;
@@ -47,6 +51,7 @@ pub use contact::Contacts;
 pub use damped::{DampedBound, DampedCentralDifference, DampedPredictorCorrector, damped, damped_limit};
 pub use energy::Energy;
 pub use lagrange::Lagrange;
+pub use mass_redistribution::MassRedistribution;
 pub use moreau_jean::MoreauJean;
 pub use name::SchemeName;
 pub use operator::Operator;

@@ -4,8 +4,8 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use super::{
-    Buffered, CentralDifference, Facts, Lagrange, MoreauJean, PaoliSchatzman, Park, PredictorCorrector,
-    Scheme,
+    Buffered, CentralDifference, Facts, Lagrange, MassRedistribution, MoreauJean, PaoliSchatzman, Park,
+    PredictorCorrector, Scheme,
 };
 use crate::error::Refusal;
 
@@ -26,6 +26,8 @@ pub enum SchemeName {
     MoreauJean,
     /// [`PaoliSchatzman`].
     PaoliSchatzman,
+    /// [`MassRedistribution`].
+    MassRedistribution,
 }
 
 impl SchemeName {
@@ -33,7 +35,7 @@ impl SchemeName {
     pub const PAPER: [Self; 3] = [Self::CentralDifference, Self::PredictorCorrector, Self::Park];
 
     /// Every scheme.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::CentralDifference,
         Self::PredictorCorrector,
         Self::Park,
@@ -41,6 +43,7 @@ impl SchemeName {
         Self::Lagrange,
         Self::MoreauJean,
         Self::PaoliSchatzman,
+        Self::MassRedistribution,
     ];
 
     /// The scheme with its usual parameters.
@@ -53,6 +56,7 @@ impl SchemeName {
             Self::Lagrange => &Lagrange,
             Self::MoreauJean => &MoreauJean::USUAL,
             Self::PaoliSchatzman => &PaoliSchatzman::USUAL,
+            Self::MassRedistribution => &MassRedistribution,
         }
     }
 
@@ -88,6 +92,7 @@ impl From<SchemeName> for Arc<dyn Scheme> {
             SchemeName::Lagrange => Arc::new(Lagrange),
             SchemeName::MoreauJean => Arc::new(MoreauJean::USUAL),
             SchemeName::PaoliSchatzman => Arc::new(PaoliSchatzman::USUAL),
+            SchemeName::MassRedistribution => Arc::new(MassRedistribution),
         }
     }
 }

@@ -32,13 +32,11 @@ impl Run {
         Self { rows, directions, blocks }
     }
 
-    /// The blocks of the node whose first row is i.
+    /// The blocks of the node of D directions whose first row is i.
     #[inline]
-    fn of_node(&self, k: &Csr, i: usize) -> &[u32] {
-        let starts = k.parts().0;
-        let square = self.directions * self.directions;
-        let first = (starts[i] - starts[self.rows.start]) / square;
-        &self.blocks[first..first + (starts[i + 1] - starts[i]) / self.directions]
+    fn of_node<const D: usize>(&self, starts: &[usize], i: usize) -> &[u32] {
+        let first = (starts[i] - starts[self.rows.start]) / (D * D);
+        &self.blocks[first..first + (starts[i + 1] - starts[i]) / D]
     }
 }
 
@@ -79,8 +77,8 @@ impl Rows {
         let node = i - (i - run.rows.start) % run.directions;
         let (columns, values) = k.row(i);
         let pull = match run.directions {
-            2 => pair(run.of_node(k, node), [values; 2], u)[0],
-            3 => triple(run.of_node(k, node), [values; 3], u)[0],
+            2 => pair(run.of_node::<2>(k.parts().0, node), [values; 2], u)[0],
+            3 => triple(run.of_node::<3>(k.parts().0, node), [values; 3], u)[0],
             _ => single(columns, values, u),
         };
         self.scaled(i, pull)
@@ -130,10 +128,10 @@ impl Rows {
         let values = |i: usize| &values[starts[i]..starts[i + 1]];
         match run.directions {
             2 => pulls.as_chunks_mut::<2>().0.iter_mut().zip(rows.step_by(2)).for_each(|(to, i)| {
-                *to = pair(run.of_node(k, i), [values(i), values(i + 1)], u);
+                *to = pair(run.of_node::<2>(starts, i), [values(i), values(i + 1)], u);
             }),
             3 => pulls.as_chunks_mut::<3>().0.iter_mut().zip(rows.step_by(3)).for_each(|(to, i)| {
-                *to = triple(run.of_node(k, i), [values(i), values(i + 1), values(i + 2)], u);
+                *to = triple(run.of_node::<3>(starts, i), [values(i), values(i + 1), values(i + 2)], u);
             }),
             _ => pulls.iter_mut().zip(rows).for_each(|(to, i)| {
                 *to = single(&columns[starts[i]..starts[i + 1]], values(i), u);
