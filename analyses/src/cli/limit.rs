@@ -136,7 +136,7 @@ impl LimitOptions {
                 return Err(Refusal::new("damping", value, allowed));
             }
             (_, Some(scheme)) if damping.is_none() => {
-                LimitOf::Scheme(scheme.with_theta(self.theta.unwrap_or(0.5))?.into())
+                LimitOf::Scheme(scheme.with_theta(self.theta.unwrap_or(0.5))?)
             }
             (_, Some(scheme)) => LimitOf::Scheme(damped(scheme, damping)?),
             (_, None) if damping.is_none() => LimitOf::Spectrum,
