@@ -83,7 +83,8 @@ def write(folder: Path, facts: Facts, lists: list[Lists]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "mesh.json").unlink(missing_ok=True)
     for number, part in enumerate(lists):
-        np.savez(_file(folder, number), **part)  # type: ignore[arg-type]
+        arrays: dict[str, Any] = dict(part)
+        np.savez(_file(folder, number), **arrays)
     unfinished = folder / "mesh.json.part"
     unfinished.write_text(json.dumps(asdict(facts), indent=1) + "\n", encoding="utf-8")
     unfinished.replace(folder / "mesh.json")
