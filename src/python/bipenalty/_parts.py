@@ -56,7 +56,7 @@ class Facts:
 def patch_edge(tolerance: float, dimension: int) -> int:
     """Elements along an edge of a patch.
 
-    With contact, and ratios from 0.3 on, patches of 8 squares along an edge leave a step too small by 5.5e-3, of cubes by
+    With contact, and ratios from 0.3 on, patches of 8 squares along an edge leave a step too small by 5.5e-3, cubes by
     1.8e-3 (two lumped blocks of unlike stiffness, nodes on nodes), which falls as m^-2.6.
     """
     edge: float = 8.0 * ((5.5e-3 if dimension == 2 else 1.8e-3) / tolerance) ** (1 / 2.6)
@@ -83,7 +83,8 @@ def write(folder: Path, facts: Facts, lists: list[Lists]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "mesh.json").unlink(missing_ok=True)
     for number, part in enumerate(lists):
-        np.savez(_file(folder, number), **part)  # type: ignore[arg-type]
+        arrays: dict[str, Any] = dict(part)
+        np.savez(_file(folder, number), **arrays)
     unfinished = folder / "mesh.json.part"
     unfinished.write_text(json.dumps(asdict(facts), indent=1) + "\n", encoding="utf-8")
     unfinished.replace(folder / "mesh.json")
