@@ -66,11 +66,10 @@ pub fn bounds(rows: &[MeshRow]) -> Figure {
             of.filter_map(|row| Some((row.parameter?.0, (-row.error.0).max(LEAST)))).collect()
         };
         let lines = [
-            (0.0, f64::INFINITY, "no contact".to_owned()),
+            (1e3, 1.0, "no contact, and *r* = 1".to_owned()),
             (1.0, f64::INFINITY, "*β*_{s} = 1".to_owned()),
             (10.0, f64::INFINITY, "*β*_{s} = 10".to_owned()),
             (1e3, f64::INFINITY, "*β*_{s} = 1000".to_owned()),
-            (1e3, 1.0, "*β*_{s} = 1000, *r* = 1".to_owned()),
         ];
         let line = |(style, (beta_s, ratio, name)): (usize, (f64, f64, String))| {
             markers(of(beta_s, ratio), name, style)

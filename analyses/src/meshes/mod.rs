@@ -33,7 +33,7 @@ pub struct Fineness {
 
 impl Fineness {
     /// For the figures.
-    pub const FIGURES: Self = Self { plane: 32, space: 10, points: 81 };
+    pub const FIGURES: Self = Self { plane: 32, space: 12, points: 61 };
     /// For a test.
     pub const QUICK: Self = Self { plane: 6, space: 2, points: 7 };
 }
@@ -183,7 +183,8 @@ pub fn bounds(fine: &Fineness) -> Result<Vec<MeshRow>> {
         let study = Study::new(element, element, [cells; 2])?;
         let (beta_s, ratios) = (Axis::list([0.0, 1.0, 10.0, 1e3]), Axis::list([1.0, f64::INFINITY]));
         let exact = study.exact(&beta_s, &ratios, None)?;
-        let edges = [1, 2, 4, 6, 8, 12, 16].into_iter().filter(|edge| *edge < cells);
+        // Whole patches only: a remainder of few elements proves as little as they would for themselves.
+        let edges = (1..cells).filter(|edge| cells / 2 % edge == 0);
         for edge in edges {
             let proven = study.exact(&beta_s, &ratios, Some(edge))?;
             for (exact, (.., proven)) in exact.iter().zip(proven) {
