@@ -52,6 +52,9 @@ enum Study {
     Scales,
 }
 
+/// What draws rows.
+type Chart = fn(&[MeshRow]) -> Figure;
+
 impl Study {
     fn name(self) -> &'static str {
         match self {
@@ -65,7 +68,7 @@ impl Study {
     }
 
     /// The rows, and how they are drawn; `None` for the curves of contact.
-    fn rows(self, fine: &Fineness) -> Option<(Result<Vec<MeshRow>>, fn(&[MeshRow]) -> Figure)> {
+    fn rows(self, fine: &Fineness) -> Option<(Result<Vec<MeshRow>>, Chart)> {
         Some(match self {
             Self::Contact => return None,
             Self::Elements => (meshes::elements(fine), charts::meshes::elements),

@@ -161,10 +161,11 @@ fn is_definite(mut a: Vec<Vec<f64>>) -> bool {
         if a[p][p] <= 0.0 {
             return false;
         }
-        for i in p + 1..n {
-            let factor = a[i][p] / a[p][p];
-            for j in p + 1..n {
-                a[i][j] -= factor * a[p][j];
+        let pivot = a[p].clone();
+        for row in &mut a[p + 1..] {
+            let factor = row[p] / pivot[p];
+            for (entry, above) in row.iter_mut().zip(&pivot).skip(p + 1) {
+                *entry -= factor * above;
             }
         }
     }
