@@ -30,11 +30,11 @@
 //!
 //! # Why plotters, and for what
 //! plotters separates what is drawn (elements: path, polygon, circle, rectangle) from the page it is drawn on (a backend),
-//! and that seam is used here, through one backend of our own, [`mod@marks`]: it writes what a printer needs and nothing
+//! and that seam is used here, through one backend of our own, `marks`: it writes what a printer needs and nothing
 //! else, one mark a line, and from its SVG come the PNG and the PDF, so that the three cannot differ; any element of
 //! plotters can be put on the same page. Its charts are not used: they place axes and labels by whole pixels of a screen,
 //! know no names beside curves, no printed width and no records behind a curve, which is what a figure for a paper needs.
-//! TeX draws by itself from the records, so [`mod@tex`] hands it the model, not the marks.
+//! TeX draws by itself from the records, so `tex` hands it the model, not the marks.
 //!
 //! # Labels
 //! Labels are a small markup: `_{..}` sets a subscript, `^{..}` a superscript, `*..*` italics, a
