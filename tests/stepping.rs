@@ -136,7 +136,10 @@ fn free_fall_is_exact_for_every_mass_matrix_and_scheme() {
             // The predictor-corrector scheme is half a step ahead: n (n + 1)/2 instead of n^2/2.
             let half = if scheme == SchemeName::PredictorCorrector { n * (n + 1.0) } else { n * n };
             let exact = 10.0 * dt * dt * half / 2.0;
-            for u in &motion.state().displacement {
+            // The node at the wall has no mass under redistribution: its weight hangs on its spring.
+            let massless = usize::from(scheme == SchemeName::MassRedistribution);
+            let displacement = &motion.state().displacement;
+            for u in &displacement[..displacement.len() - massless] {
                 assert!(
                     (u / exact - 1.0).abs() <= 4.0 * f64::EPSILON * n,
                     "{} {}: {u} {exact}",

@@ -84,6 +84,20 @@ impl Body {
         }
     }
 
+    /// v at the time of u from the velocity half a step before and dt a = `kick`.
+    pub(super) fn velocity(&self, state: &State, kick: &[f64], velocity: &mut [f64]) {
+        velocity.copy_from_slice(&state.velocity);
+        velocity.iter_mut().zip(kick).for_each(|(v, kick)| *v += 0.5 * kick);
+    }
+
+    /// What the leapfrog energy of n - 1/2 has beyond kinetic and strain energy at n, J: -dt^2/8 a'M a, and half the work of
+    /// the present reactions over the step before.
+    pub(super) fn leapfrog_shadow(&self, state: &State, kick: &[f64]) -> f64 {
+        let halves =
+            state.force.iter().zip(&state.last_gap_change).map(|(force, change)| 0.5 * force * change);
+        halves.sum::<f64>() - 0.125 * self.pencil.mass().quadratic(kick, kick)
+    }
+
     /// f'x.
     pub(super) fn work(&self, x: &[f64]) -> f64 {
         self.load.iter().zip(x).map(|(f, x)| f * x).sum()

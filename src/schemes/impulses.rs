@@ -255,8 +255,7 @@ impl<L: Law> Motion for Steps<L> {
     }
 
     fn velocity(&self, velocity: &mut [f64]) {
-        velocity.copy_from_slice(&self.state.velocity);
-        velocity.iter_mut().zip(&self.kick).for_each(|(v, kick)| *v += 0.5 * kick);
+        self.body.velocity(&self.state, &self.kick, velocity);
     }
 
     /// The balance is that of n - 1/2, the last step that is complete: v'Mv/2 at the time of u differs from it by the
@@ -267,9 +266,7 @@ impl<L: Law> Motion for Steps<L> {
         self.velocity(&mut velocity);
         let Self { body, state, kick, buffers, .. } = self;
         let energy = body.energy(state, &velocity);
-        let begun: f64 =
-            state.force.iter().zip(&state.last_gap_change).map(|(force, change)| 0.5 * force * change).sum();
-        let shadow = begun - 0.125 * body.pencil.mass().quadratic(kick, kick);
+        let shadow = body.leapfrog_shadow(state, kick);
         let penalty =
             buffers.iter().zip(&state.force).map(|(buffer, force)| buffer.energy(*force, body.dt)).sum();
         Energy { penalty, loss: state.balance_work - penalty + shadow, ..energy }

@@ -66,7 +66,8 @@ const STEPS: u64 = 300;
 /// The encounter of a case, bars and meshes by turns, and beta_s from 1/10 to 1e12.
 fn encounter(random: &mut Random, case: usize) -> (Encounter, f64) {
     let mass = random::mass(random);
-    let encounter = if case.is_multiple_of(2) { random::bars(random, mass) } else { random::mesh(random, mass) };
+    let encounter =
+        if case.is_multiple_of(2) { random::bars(random, mass) } else { random::mesh(random, mass) };
     (encounter, 10_f64.powf(random.between(-1.0, 12.0)))
 }
 

@@ -54,7 +54,7 @@ pub fn sizes(rows: &[MeshRow]) -> Figure {
     in_rows(panels.collect())
 }
 
-/// How much too small the steps are that elements and patches of them prove, at least [`LEAST`]; a panel an element, a line a penalty.
+/// How much too small the steps are that elements and patches of them prove, at least `LEAST`; a panel an element, a line a penalty.
 pub fn bounds(rows: &[MeshRow]) -> Figure {
     let mut kinds: Vec<&str> = rows.iter().map(|row| row.element).collect();
     kinds.dedup();

@@ -194,8 +194,7 @@ impl Motion for Steps {
     }
 
     fn velocity(&self, velocity: &mut [f64]) {
-        velocity.copy_from_slice(&self.state.velocity);
-        velocity.iter_mut().zip(&self.kick).for_each(|(v, kick)| *v += 0.5 * kick);
+        self.body.velocity(&self.state, &self.kick, velocity);
     }
 
     fn energy(&mut self) -> Energy {

@@ -111,8 +111,7 @@ impl Motion for Steps {
     }
 
     fn velocity(&self, velocity: &mut [f64]) {
-        velocity.copy_from_slice(&self.state.velocity);
-        velocity.iter_mut().zip(&self.kick).for_each(|(v, kick)| *v += 0.5 * kick);
+        self.body.velocity(&self.state, &self.kick, velocity);
     }
 
     fn energy(&mut self) -> Energy {
@@ -121,9 +120,7 @@ impl Motion for Steps {
         self.velocity(&mut velocity);
         self.massless.iter().flatten().for_each(|at| velocity[at.node] = 0.0);
         let Self { body, state, kick, .. } = self;
-        let begun: f64 =
-            state.force.iter().zip(&state.last_gap_change).map(|(force, change)| 0.5 * force * change).sum();
-        let shadow = begun - 0.125 * body.pencil.mass().quadratic(kick, kick);
+        let shadow = body.leapfrog_shadow(state, kick);
         Energy { loss: state.balance_work + shadow, ..body.energy(state, &velocity) }
     }
 }
