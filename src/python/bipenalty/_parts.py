@@ -56,8 +56,8 @@ class Facts:
 def patch_edge(tolerance: float, dimension: int) -> int:
     """Elements along an edge of a patch.
 
-    With contact, and ratios from 0.3 on, patches of 8 squares along an edge leave a step too small by 5.5e-3, of cubes by
-    1.8e-3 (two lumped blocks of unlike stiffness, nodes on nodes), which falls as m^-2.6.
+    With contact, and ratios from 0.3 on, patches of 8 squares along an edge leave a step too small by 5.5e-3, of cubes
+    by 1.8e-3 (two lumped blocks of unlike stiffness, nodes on nodes), which falls as m^-2.6.
     """
     edge: float = 8.0 * ((5.5e-3 if dimension == 2 else 1.8e-3) / tolerance) ** (1 / 2.6)
     return max(4, math.ceil(edge))
