@@ -7,6 +7,7 @@ import bipenalty as bp
 import numpy as np
 import pytest
 from conftest import ROOT
+from scipy.io import mmwrite
 
 BETA_S = [0.0, 1e-3, 0.5, 1.0, 3.7, 10.0, 1e3, 1e6, 1e9, 1e12]
 RATIO = [0.25, 1.0, 1.7, 30.0, np.inf]
@@ -174,6 +175,10 @@ def test_csv(tools, tmp_path):
     rows = tools("stability-map", *options("hunek", "lumped", "predictor-corrector"))
     bp.Model.from_scene("hunek").stability_map(BETA_S, RATIO, limit="predictor-corrector").to_csv(tmp_path / "map.csv")
     written = list(csv.DictReader((tmp_path / "map.csv").open()))
+    assert_same_rows(written, rows)
+
+
+def assert_same_rows(written, rows):
     assert list(written[0]) == list(rows[0])
     numbers = [name for name in rows[0] if name not in ("scene", "mass", "limit", "engine", "evidence")]
     for mine, theirs in zip(written, rows, strict=True):
@@ -181,3 +186,72 @@ def test_csv(tools, tmp_path):
         for name in numbers:
             assert (mine[name] == "") == (theirs[name] == "")
             assert mine[name] == "" or float(mine[name]) == float(theirs[name])
+
+
+SCENES = {
+    "mesh": """
+name = "two-blocks"
+dimension = 2
+plane = "strain"
+[[body]]
+name = "lower"
+box = [3.0, 2.0]
+cells = [6, 4]
+element = "quad4"
+youngs_modulus = 210e9
+poissons_ratio = 0.3
+density = 7850.0
+[[body]]
+name = "upper"
+box = [2.0, 1.0]
+cells = [5, 3]
+origin = [0.5, 2.0]
+element = "quad4"
+youngs_modulus = 70e9
+poissons_ratio = 0.3
+density = 2700.0
+[[contact]]
+surfaces = ["upper.bottom", "lower.top"]
+[[hold]]
+surface = "lower.bottom"
+directions = ["x", "y"]
+""",
+    "matrices": """
+name = "matrices"
+[matrices]
+stiffness = "K.mtx"
+mass = "M.mtx"
+gaps = "Z.mtx"
+scales = "w.mtx"
+""",
+}
+
+
+@pytest.fixture(params=SCENES)
+def scene_file(request, tmp_path):
+    """Return the path of a scene of meshes, or of the matrices of the same one."""
+    path = tmp_path / f"{request.param}.toml"
+    path.write_text(SCENES[request.param])
+    for name, matrix in zip("KMZ", bp.Model.from_scene(SCENES["mesh"]).matrices(), strict=False):
+        mmwrite(tmp_path / f"{name}.mtx", matrix, precision=17)
+    *_, w = bp.Model.from_scene(SCENES["mesh"]).matrices()
+    mmwrite(tmp_path / "w.mtx", w[:, np.newaxis], precision=17)
+    return path
+
+
+@pytest.mark.parametrize("limit", ["spectrum", "predictor-corrector"])
+def test_meshes(tools, scene_file, tmp_path, limit):
+    """The first question to a model: what it knows already would narrow the answer."""
+    asked = [scene_file, "--limit", limit, "--beta-s", spec(BETA_S), "--ratio", spec(RATIO)]
+    rows = tools("stability-map", *asked)
+    found = bp.Model.from_scene(scene_file).stability_map(BETA_S, RATIO, limit=limit)
+    assert_map(rows, found)
+    found.to_csv(tmp_path / "map.csv")
+    assert_same_rows(list(csv.DictReader((tmp_path / "map.csv").open())), rows)
+
+
+@pytest.mark.parametrize("scene_file", ["matrices"], indirect=True)
+def test_matrices_in_memory(tools, scene_file):
+    rows = tools("stability-map", scene_file, "--beta-s", spec(BETA_S), "--ratio", spec(RATIO))
+    K, M, Z, w = bp.Model.from_scene(scene_file).matrices()
+    assert_map(rows, bp.Model.from_matrices(K, M, Z, scales=w).stability_map(BETA_S, RATIO))

@@ -14,7 +14,7 @@ _Asked: TypeAlias = tuple[str, float | None, str, float | None]
 _Rows: TypeAlias = tuple[tuple[int, int], NDArray[np.int64], NDArray[np.uint32], _Floats]
 _OwnRows: TypeAlias = tuple[NDArray[np.int64], NDArray[np.int64], _Floats, tuple[int, int]]
 
-__all__ = ["Core", "Map", "Uncertified", "__version__"]
+__all__ = ["Core", "Map", "Part", "Session", "Uncertified", "__version__", "axis", "split"]
 
 __version__: str
 
@@ -31,6 +31,7 @@ class Core:
         stiffness: _Rows, mass: _Rows | _Floats, gaps: _Rows, scales: _Floats | None, reference: float | None
     ) -> Core: ...
     def facts(self) -> tuple[str, tuple[str, float] | None, int | None, int, int]: ...
+    def smallest_scale(self) -> float | None: ...
     def reference(self) -> float: ...
     def matrices(self) -> tuple[_OwnRows, _OwnRows, _OwnRows, _Floats]: ...
     def critical_step(

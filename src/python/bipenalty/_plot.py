@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ._results import Impact, StabilityMap
 
 # Qualitative colours of Okabe and Ito, and dashes in mm that keep the curves apart in grey print.
-SERIES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9", "#787878", "#afafaf"]
+SERIES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9", "#787878", "#8c8c8c"]
 DASHES: list[tuple[float, ...]] = [
     (),
     (2.2, 0.9),

@@ -46,7 +46,7 @@ class CriticalStep:
     """The critical time step at one point (beta_s, r), with its enclosure.
 
     Where `evidence` is ``"lower bound"`` the step is stable up to `lower` and the limit may lie anywhere above: `value`
-    is `lower` then and `upper` infinite.
+    is `lower` then, and `upper` infinite unless a bound is known.
     """
 
     value: float
@@ -266,7 +266,7 @@ class StabilityMap:
 
     @cached_property
     def upper(self) -> NDArray[np.float64]:
-        """No smaller than the exact critical step, s; infinite where it is known from below only."""
+        """No smaller than the exact critical step, s; infinite where no bound is known."""
         return self._map.array("upper")
 
     @cached_property
@@ -336,7 +336,9 @@ class StabilityMap:
 
     def _rows(self) -> Iterator[tuple[object, ...]]:
         model, spectrum = self.model, self.limit == "spectrum"
-        head = (model.name, model.mass, model.gamma, model.elements, self.limit)
+        # What a code that is given s and m needs, of the softest contact.
+        scale, reference = model._core.smallest_scale(), model.reference
+        head = (model.name, model.mass or "given", model.gamma, model.elements, self.limit)
         quantities = [self.omega_max, self.courant, self.courant_lower, self.courant_upper]
         quantities += [self.critical_step, self.lower, self.upper]
         columns = zip(*(array.ravel().tolist() for array in quantities), strict=True)
@@ -357,12 +359,14 @@ class StabilityMap:
                 low if known else None,
                 high if known else None,
                 evidence,
+                None if scale is None else beta_s * scale,
+                None if scale is None else beta_s * scale / (r * reference),
             )
 
 
 _COLUMNS = (
     "scene,mass,gamma,elements,limit,stiffness_penalty,ratio,omega_max,critical_courant,lower,upper,engine,"
-    "critical_step,step_lower,step_upper,evidence"
+    "critical_step,step_lower,step_upper,evidence,penalty_stiffness,penalty_mass"
 ).split(",")
 
 

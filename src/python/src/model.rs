@@ -191,6 +191,11 @@ impl Core {
         (model.name().to_owned(), mass, model.elements(), unknowns, model.contacts())
     }
 
+    /// The smallest scale of the contacts, N/m.
+    fn smallest_scale(&self) -> Option<f64> {
+        self.model.smallest_scale()
+    }
+
     /// omega_ref^2, rad^2/s^2.
     fn reference(&self, py: Python<'_>) -> PyResult<f64> {
         let model = self.model()?;
