@@ -159,6 +159,12 @@ fn compute(
 
 /// The models of every scene, one a mass matrix; the built-in scenes if none is named.
 fn plan(options: &Options) -> Result<Vec<Vec<Arc<AnyModel>>>> {
+    let LimitOptions { damping_mass, damping_stiffness, damping_contact, .. } = options.limit;
+    if let Some(damping) = damping_mass.or(damping_stiffness).or(damping_contact) {
+        let allowed =
+            "none here: what ratio costs nothing is not derived with damping; stability-map has its limits";
+        return Err(Refusal::new("--damping-mass, -stiffness, -contact", damping, allowed).into());
+    }
     let mut asked = options.scene.clone();
     if asked.scenes.is_empty() {
         asked.scenes = ["signorini", "symmetric", "hunek"].map(str::to_owned).to_vec();
