@@ -278,10 +278,20 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         jobs
     };
     jobs.iter().flat_map(|job| &job.models).try_for_each(|model| options.limit.check(model))?;
+    let jobs = named_by_limit(jobs, options)?;
     if options.output.format.contains(&Format::Vtu) {
         jobs.iter().try_for_each(|job| check_modes(job, &options.limit))?;
     }
     check_stems(&options.output, jobs.iter().map(|job| job.stem.clone()))?;
+    Ok(jobs)
+}
+
+/// The charts of the paper keep their files: those of another limit have its name in theirs.
+fn named_by_limit(mut jobs: Vec<Job>, options: &Options) -> Result<Vec<Job>, Refusal> {
+    if options.scene.scenes.is_empty() && !options.limit.asking()?.limit.is_spectrum() {
+        let name = options.limit.name()?;
+        jobs.iter_mut().for_each(|job| job.stem = format!("{}-{name}", job.stem));
+    }
     Ok(jobs)
 }
 

@@ -133,7 +133,11 @@ fn a_directory_that_cannot_be_written_is_refused() {
 #[test]
 fn a_scene_that_is_no_file_is_refused() {
     let scratch = Scratch::new("no-file");
-    refused(&scratch, &["missing.toml"], &["SCENE", "missing.toml", "signorini, symmetric, hunek"]);
+    refused(
+        &scratch,
+        &["missing.toml"],
+        &["SCENE", "missing.toml", "not found", "signorini, symmetric, hunek"],
+    );
     refused(&scratch, &[""], &["SCENE", "\"\"", "the path of a scene file"]);
     refused(&scratch, &["."], &[".", "read as UTF-8 text"]);
     scratch.write("latin.toml", b"name = \"caf\xe9\"\n");
@@ -177,8 +181,8 @@ fn a_wrong_scene_is_refused() {
         scratch.write("bad.toml", text);
         refused(&scratch, &["bad.toml", "--beta-s", "1"], &[&["bad.toml, line"], words].concat());
     };
-    bad(scene("two words", "", &["area = 1.0"]), &["name", "two words", "letters, digits and '-'"]);
-    bad(scene("../up", "", &["area = 1.0"]), &["name", "../up", "letters, digits and '-'"]);
+    bad(scene("two words", "", &["area = 1.0"]), &["name", "two words", "letters, digits, '-' and '_'"]);
+    bad(scene("../up", "", &["area = 1.0"]), &["name", "../up", "letters, digits, '-' and '_'"]);
     bad(scene("bars", "left = \"glued\"", &["area = 1.0"]), &["glued", "`free`, `fixed`, `wall`"]);
     bad(scene("bars", "", &[]), &["missing field `bar`"]);
     bad("name = \"bars\"\nbar = []\n".to_owned(), &["no bar", "at least one"]);
