@@ -57,12 +57,12 @@ struct Options {
 const EXAMPLES: &str = "Examples:
   stability-map                                     the charts of the paper and maps beyond it
   stability-map my-bars.toml --beta-s 10 --ratio 1  the linear limit of closed contact of my bars
-  stability-map my-bars.toml --stiffness log:1e6:1e12:61 --units si   the same over N/m, in seconds
-  stability-map my-bars.toml --time-step 1e-7 --beta-s 1e4   is my step within the limit, what does it stand?
+  stability-map my-bars.toml --stiffness log:1e6:1e12:61 --units si   in s over N/m
+  stability-map my-bars.toml --time-step 1e-7 --beta-s 1e4   is my step within the limit?
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
-  stability-map signorini --limit noh-bathe --parameter 0.54 --beta-s 10 --ratio 1   another scheme, and its cost
-  stability-map signorini --damping-stiffness 1e-4 --beta-s 10 --ratio 1   with damping half a step behind
+  stability-map signorini --limit noh-bathe --beta-s 10 --ratio 1   another scheme, its cost
+  stability-map signorini --damping-stiffness 1e-4 --beta-s 10 --ratio 1   with damping
   stability-map two-blocks.toml --beta-s log:1e-3:1e9:100 --ratio log:0.1:1e3:100   the map of a mesh
   stability-map hunek --limit predictor-corrector --beta-s 1e6 --ratio plastic
   stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv

@@ -143,7 +143,7 @@ fn a_scene_that_is_no_file_is_refused() {
     scratch.write("latin.toml", b"name = \"caf\xe9\"\n");
     refused(&scratch, &["latin.toml"], &["latin.toml", "UTF-8"]);
     scratch.write("empty.toml", "");
-    refused(&scratch, &["empty.toml"], &["empty.toml, line 1", "missing field `name`"]);
+    refused(&scratch, &["empty.toml"], &["empty.toml, line 1", "[[bar]], [matrices] and [[body]]"]);
 }
 
 /// `broken` instead of the first scene's line of that key; the message names file, line, value and what is allowed.
@@ -184,7 +184,7 @@ fn a_wrong_scene_is_refused() {
     bad(scene("two words", "", &["area = 1.0"]), &["name", "two words", "letters, digits, '-' and '_'"]);
     bad(scene("../up", "", &["area = 1.0"]), &["name", "../up", "letters, digits, '-' and '_'"]);
     bad(scene("bars", "left = \"glued\"", &["area = 1.0"]), &["glued", "`free`, `fixed`, `wall`"]);
-    bad(scene("bars", "", &[]), &["missing field `bar`"]);
+    bad(scene("bars", "", &[]), &["without any of its tables", "[[bar]], [matrices] and [[body]]"]);
     bad("name = \"bars\"\nbar = []\n".to_owned(), &["no bar", "at least one"]);
     let fixed = "left = \"fixed\"\nright = \"fixed\"";
     bad(scene("bars", fixed, &["elements = 1"]), &["bar[0].elements", "two fixed ends", "at least 2"]);

@@ -52,7 +52,8 @@ impl AnyScene {
             [("body", ..)] => MeshScene::parse(text, path).map(Self::Mesh),
             [] => {
                 let allowed = "one of [[bar]], [matrices] and [[body]]";
-                Err(Refusal::new(path, "a scene without any of its tables", allowed).into())
+                Err(Refusal::new(format!("{path}, line 1"), "a scene without any of its tables", allowed)
+                    .into())
             }
             _ => {
                 let several: Vec<String> =
