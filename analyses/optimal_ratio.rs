@@ -143,7 +143,7 @@ fn compute(
         for model in models {
             found.push(search(model, grid, &options.limit, &progress)?);
         }
-        let name = models[0].name();
+        let name = &stem(models, options)?;
         let rows: Vec<Vec<OptimalRatioRow>> = found.iter().map(|found| found.rows.clone()).collect();
         files += output.write_rows(name, &rows.concat())?.len();
         if output.wants_figures() && options.beta_s.values.len() > 1 {
@@ -159,11 +159,9 @@ fn compute(
 
 /// The models of every scene, one a mass matrix; the built-in scenes if none is named.
 fn plan(options: &Options) -> Result<Vec<Vec<Arc<AnyModel>>>> {
-    let LimitOptions { damping_mass, damping_stiffness, damping_contact, .. } = options.limit;
-    if let Some(damping) = damping_mass.or(damping_stiffness).or(damping_contact) {
-        let allowed =
-            "none here: what ratio costs nothing is not derived with damping; stability-map has its limits";
-        return Err(Refusal::new("--damping-mass, -stiffness, -contact", damping, allowed).into());
+    if let LimitOf::Damped(_) = options.limit.asking()?.limit {
+        let value = "central differences with damping, whose optimal ratio is not derived";
+        return Err(Refusal::new("--damping-...", value, "no damping").into());
     }
     let mut asked = options.scene.clone();
     if asked.scenes.is_empty() {
@@ -172,8 +170,18 @@ fn plan(options: &Options) -> Result<Vec<Vec<Arc<AnyModel>>>> {
     let models = asked.scenes()?.iter().map(|scene| asked.models(scene)).collect::<Result<Vec<_>>>()?;
     models.iter().flatten().try_for_each(|model| cli::check_touches(model))?;
     models.iter().flatten().try_for_each(|model| options.limit.check(model))?;
-    check_stems(&options.output, models.iter().map(|models| models[0].name().to_owned()))?;
+    let stems = models.iter().map(|models| stem(models, options)).collect::<Result<Vec<_>, _>>()?;
+    check_stems(&options.output, stems.into_iter())?;
     Ok(models)
+}
+
+/// The name of the files of one scene; the limit of a scheme is another question, with files of its own.
+fn stem(models: &[Arc<AnyModel>], options: &Options) -> Result<String, Refusal> {
+    let scene = models[0].name();
+    Ok(match options.limit.asking()?.limit {
+        LimitOf::Spectrum => scene.to_owned(),
+        _ => format!("{scene}-{}", options.limit.name()?),
+    })
 }
 
 /// Brackets the optimal ratio of one model at every beta_s.
@@ -196,7 +204,7 @@ fn search(model: &Arc<AnyModel>, grid: &Grid, options: &LimitOptions, progress: 
 fn explain(model: &AnyModel, options: &Options, grid: &Grid) -> Result<String, Refusal> {
     let (values, limit) = (grid.stiffness_penalties.len(), options.limit.asking()?.limit);
     let method = match (model, limit) {
-        (AnyModel::Bars(_), LimitOf::Scheme(_) | LimitOf::Damped(_)) => {
+        (AnyModel::Bars(_), LimitOf::Scheme(_)) => {
             format!("{}: bisection on the limit of {}", model.name(), options.limit.name()?)
         }
         _ => cli::explain(model, &options.limit, grid)?,

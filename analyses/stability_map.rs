@@ -57,16 +57,16 @@ struct Options {
 const EXAMPLES: &str = "Examples:
   stability-map                                     the charts of the paper and maps beyond it
   stability-map my-bars.toml --beta-s 10 --ratio 1  the linear limit of closed contact of my bars
-  stability-map my-bars.toml --stiffness log:1e6:1e12:61 --units si   the same over N/m, in s
+  stability-map my-bars.toml --stiffness log:1e6:1e12:61 --units si   in s over N/m
   stability-map my-bars.toml --time-step 1e-7 --beta-s 1e4   is my step within the limit?
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
-  stability-map signorini --limit noh-bathe --beta-s 10 --ratio 1   another scheme, and its cost
+  stability-map signorini --limit noh-bathe --beta-s 10 --ratio 1   another scheme, its cost
   stability-map signorini --damping-stiffness 1e-4 --beta-s 10 --ratio 1   with damping
-  stability-map two-blocks.toml --beta-s log:1e-3:1e9:100 --ratio log:0.1:1e3:100   a mesh
+  stability-map two-blocks.toml --beta-s log:1e-3:1e9:100 --ratio log:0.1:1e3:100   the map of a mesh
   stability-map hunek --limit predictor-corrector --beta-s 1e6 --ratio plastic
   stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv
-  stability-map two-blocks.toml --beta-s 10 --ratio inf --format vtu   who governs the step
+  stability-map two-blocks.toml --beta-s 10 --ratio inf --format vtu   who governs the step, and its mode
   stability-map --from figures/stability-map/fig3-1-lumped.csv --width single --format pdf,tex";
 
 /// Records to draw again, maps to compute, or a step (s) to hold against their limits.
@@ -278,10 +278,20 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         jobs
     };
     jobs.iter().flat_map(|job| &job.models).try_for_each(|model| options.limit.check(model))?;
+    let jobs = named_by_limit(jobs, options)?;
     if options.output.format.contains(&Format::Vtu) {
         jobs.iter().try_for_each(|job| check_modes(job, &options.limit))?;
     }
     check_stems(&options.output, jobs.iter().map(|job| job.stem.clone()))?;
+    Ok(jobs)
+}
+
+/// The charts of the paper keep their files: those of another limit have its name in theirs.
+fn named_by_limit(mut jobs: Vec<Job>, options: &Options) -> Result<Vec<Job>, Refusal> {
+    if options.scene.scenes.is_empty() && !options.limit.asking()?.limit.is_spectrum() {
+        let name = options.limit.name()?;
+        jobs.iter_mut().for_each(|job| job.stem = format!("{}-{name}", job.stem));
+    }
     Ok(jobs)
 }
 

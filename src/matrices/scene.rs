@@ -131,9 +131,9 @@ impl MatrixScene {
         let raw: SceneText = toml::from_str(text).map_err(|error| in_file(&error, text, path))?;
         let place = |key: &str, at: usize| format!("{path}, line {}, {key}", line_of(text, at));
         let name = raw.name.get_ref();
-        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-') {
+        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_')) {
             let place = place("name", raw.name.span().start);
-            return Err(Refusal::new(place, format!("{name:?}"), "letters, digits and '-'").into());
+            return Err(Refusal::new(place, format!("{name:?}"), "letters, digits, '-' and '_'").into());
         }
         let reference = match raw.matrices.reference.as_ref().map(|r| (r.get_ref(), r.span().start)) {
             None => Reference::Mesh,

@@ -123,8 +123,10 @@ pub(super) fn parse(text: &str, path: &str) -> Result<MeshScene> {
         return Err(source.refuse("dimension", &raw.dimension, source.dimension, "2 or 3").into());
     }
     let name = raw.name.get_ref();
-    if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-') {
-        return Err(source.refuse("name", &raw.name, format!("{name:?}"), "letters, digits and '-'").into());
+    if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_')) {
+        return Err(source
+            .refuse("name", &raw.name, format!("{name:?}"), "letters, digits, '-' and '_'")
+            .into());
     }
     let plane = match (&raw.plane, source.dimension) {
         (Some(plane), 3) => {

@@ -62,7 +62,7 @@ pub(crate) fn read(argument: &str) -> Result<String> {
         let names: Vec<_> = super::BUILT_IN.iter().map(|(name, _)| *name).collect();
         return Err(Refusal::new(
             "SCENE",
-            format!("{argument:?}"),
+            format!("{argument:?}, not found,"),
             format!("the path of a scene file, or one of {}", names.join(", ")),
         )
         .into());

@@ -112,7 +112,7 @@ impl Scene {
     /// A scene of `bars` from left to right.
     ///
     /// # Errors
-    /// Refuses a name that is not made of letters, digits and '-', a bar whose data are not positive and finite, a
+    /// Refuses a name that is not made of letters, digits, '-' and '_', a bar whose data are not positive and finite, a
     /// combination whose element stiffness, mass or frequency leaves the range of f64, and a row without a node
     /// that can move.
     pub fn new(
@@ -129,12 +129,12 @@ impl Scene {
 
     /// The checks of [`Scene::new`]; `place` turns a key such as `bar[1].length` into what the user knows it by.
     fn check(&self, place: &dyn Fn(&str) -> String) -> Result<(), Refusal> {
-        let legal = |c: char| c.is_ascii_alphanumeric() || c == '-';
+        let legal = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
         if self.name.is_empty() || !self.name.chars().all(legal) {
             return Err(Refusal::new(
                 place("name"),
                 format!("{:?}", self.name),
-                "letters, digits and '-', at least one",
+                "letters, digits, '-' and '_', at least one",
             ));
         }
         if self.bars.is_empty() {

@@ -121,7 +121,9 @@ fn what_is_not_derived_with_damping_is_refused() {
         Error::Refused(refusal) => refusal.place,
         other => panic!("{other}"),
     };
+    let rod = AnyModel::Bars(bars("signorini", 4, MassMatrix::LUMPED));
     assert_eq!(place(model.optimal_ratio(1.0, &asking).unwrap_err()), "limit");
+    assert_eq!(place(rod.optimal_ratio(1.0, &asking).unwrap_err()), "limit");
     assert_eq!(place(model.governs(1.0, 1.0, &asking).unwrap_err()), "limit");
     let damped = bipenalty::schemes::damped(SchemeName::PredictorCorrector, dampings(&model)[0]).unwrap();
     let asking = Asking { limit: LimitOf::Scheme(damped), ..Asking::default() };

@@ -133,13 +133,17 @@ fn a_directory_that_cannot_be_written_is_refused() {
 #[test]
 fn a_scene_that_is_no_file_is_refused() {
     let scratch = Scratch::new("no-file");
-    refused(&scratch, &["missing.toml"], &["SCENE", "missing.toml", "signorini, symmetric, hunek"]);
+    refused(
+        &scratch,
+        &["missing.toml"],
+        &["SCENE", "missing.toml", "not found", "signorini, symmetric, hunek"],
+    );
     refused(&scratch, &[""], &["SCENE", "\"\"", "the path of a scene file"]);
     refused(&scratch, &["."], &[".", "read as UTF-8 text"]);
     scratch.write("latin.toml", b"name = \"caf\xe9\"\n");
     refused(&scratch, &["latin.toml"], &["latin.toml", "UTF-8"]);
     scratch.write("empty.toml", "");
-    refused(&scratch, &["empty.toml"], &["empty.toml, line 1", "one of [[bar]], [matrices] and [[body]]"]);
+    refused(&scratch, &["empty.toml"], &["empty.toml, line 1", "[[bar]], [matrices] and [[body]]"]);
 }
 
 /// `broken` instead of the first scene's line of that key; the message names file, line, value and what is allowed.
@@ -177,10 +181,10 @@ fn a_wrong_scene_is_refused() {
         scratch.write("bad.toml", text);
         refused(&scratch, &["bad.toml", "--beta-s", "1"], &[&["bad.toml, line"], words].concat());
     };
-    bad(scene("two words", "", &["area = 1.0"]), &["name", "two words", "letters, digits and '-'"]);
-    bad(scene("../up", "", &["area = 1.0"]), &["name", "../up", "letters, digits and '-'"]);
+    bad(scene("two words", "", &["area = 1.0"]), &["name", "two words", "letters, digits, '-' and '_'"]);
+    bad(scene("../up", "", &["area = 1.0"]), &["name", "../up", "letters, digits, '-' and '_'"]);
     bad(scene("bars", "left = \"glued\"", &["area = 1.0"]), &["glued", "`free`, `fixed`, `wall`"]);
-    bad(scene("bars", "", &[]), &["one of [[bar]], [matrices] and [[body]]"]);
+    bad(scene("bars", "", &[]), &["without any of its tables", "[[bar]], [matrices] and [[body]]"]);
     bad("name = \"bars\"\nbar = []\n".to_owned(), &["no bar", "at least one"]);
     let fixed = "left = \"fixed\"\nright = \"fixed\"";
     bad(scene("bars", fixed, &["elements = 1"]), &["bar[0].elements", "two fixed ends", "at least 2"]);

@@ -180,7 +180,7 @@ pub struct OutputOptions {
     #[arg(long, value_name = "WIDTH")]
     pub width: Option<WidthOption>,
     /// Print the records on standard output and write no file
-    #[arg(long, value_name = "FORMAT")]
+    #[arg(long, value_name = "FORMAT", conflicts_with = "format")]
     pub stdout: Option<StandardOutput>,
     /// Number of threads [default: all cores]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]

@@ -51,18 +51,17 @@ impl AnyModel {
             }
             _ => asking,
         };
-        let damped = matches!(asking.limit, LimitOf::Damped(_));
+        // A closed contact changes what damping takes: the mediant inequality proves nothing there.
+        if matches!(asking.limit, LimitOf::Damped(_)) {
+            let value = format!("{}, whose optimal ratio is not derived", asking.limit.name());
+            return Err(Refusal::new("limit", value, "no damping").into());
+        }
         let beta_s = beta_s.iter().map(|b| StiffnessPenalty::new(*b)).collect::<Result<Vec<_>, _>>()?;
         match self {
             Self::Bars(model) => with_limit(model, asking, |limit| {
-                let of_scheme = damped || asking.limit.scheme().is_some();
-                Ok(ratios_of_bars(model, limit, of_scheme, &beta_s, done))
+                Ok(ratios_of_bars(model, limit, asking.limit.scheme().is_some(), &beta_s, done))
             })?
             .map_err(Error::from),
-            Self::Mesh(model) if damped => {
-                let value = format!("{} with scene {}", asking.limit.name(), model.name());
-                Err(Refusal::new("limit", value, "no damping, or a scene of [[bar]]").into())
-            }
             Self::Mesh(model) => {
                 let one = |b: &StiffnessPenalty| {
                     let found = model.optimal_ratio(*b, asking)?;
