@@ -221,7 +221,12 @@ fn body(source: &Source, i: usize, text: &Spanned<BodyText>) -> Result<BodySourc
             return Err(source.refuse(&format!("body[{i}]"), text, value, "one of box and mesh"));
         }
     };
-    Ok(BodySource { name: name.clone(), mesh, material, velocity })
+    let place = match (&values.mesh, &values.cells) {
+        (Some(file), _) => source.place(&key("mesh"), file),
+        (None, Some(cells)) => source.place(&key("cells"), cells),
+        (None, None) => source.place(&format!("body[{i}]"), text),
+    };
+    Ok(BodySource { name: name.clone(), mesh, material, velocity, place })
 }
 
 fn cuboid(source: &Source, i: usize, text: &Spanned<BodyText>) -> Result<Cuboid, Refusal> {

@@ -49,6 +49,8 @@ pub struct BodySource {
     pub(super) mesh: MeshSource,
     pub(super) material: Material,
     pub(super) velocity: Coordinates,
+    /// File, line and key of its cells or of its mesh file.
+    pub(super) place: String,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -190,7 +192,10 @@ impl MeshScene {
                 Refusal::new(place, "supports on every node", "at least one free degree of freedom").into()
             );
         }
-        let (stiffness, mass) = (elements.stiffness()?, elements.mass()?);
+        let (stiffness, mass) = elements
+            .stiffness()
+            .and_then(|stiffness| Ok((stiffness, elements.mass()?)))
+            .map_err(|refusal| self.in_file(refusal))?;
         let body_of = body_of_unknowns(&elements);
         let mut contacts = Vec::new();
         for (at, (first, second)) in self.contacts.iter().enumerate() {
@@ -200,6 +205,15 @@ impl MeshScene {
             contacts.extend(found);
         }
         Ok(Assembled { stiffness, mass, contacts, elements })
+    }
+
+    /// What the elements refuse, by the line of the body that it names.
+    fn in_file(&self, refusal: Refusal) -> Refusal {
+        let of = |body: &&BodySource| refusal.place.starts_with(&format!("body {},", body.name));
+        match self.bodies.iter().find(of) {
+            Some(body) => Refusal { place: format!("{}, {}", body.place, refusal.place), ..refusal },
+            None => refusal,
+        }
     }
 
     fn contacts_between(
@@ -243,13 +257,17 @@ impl MeshScene {
 
     /// Refuses, before anything is built, boxes whose matrices need more memory than the machine has.
     fn fits_into_memory(&self) -> Result<()> {
-        let place = format!("scene {}, cells", self.name);
+        let largest = |body: &&BodySource| match &body.mesh {
+            MeshSource::Box(cuboid) => cuboid.node_count().unwrap_or(usize::MAX),
+            MeshSource::Gmsh(_) => 0,
+        };
+        let Some(BodySource { place, .. }) = self.bodies.iter().max_by_key(largest) else { return Ok(()) };
         let needed = self.box_unknowns().and_then(|n| Some((n, self.bytes()?)));
         let limit = memory::available();
         match needed {
             Some((unknowns, bytes)) if unknowns < HELD as usize && bytes <= limit => Ok(()),
             Some((unknowns, bytes)) => {
-                let value = format!("{unknowns} unknowns, about {} MB of matrices", bytes >> 20);
+                let value = format!("a scene of {unknowns} unknowns, about {} MB of matrices,", bytes >> 20);
                 let allowed = format!("what fits into {} MB of memory and {HELD} unknowns", limit >> 20);
                 Err(Refusal::new(place, value, allowed).into())
             }
