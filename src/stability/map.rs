@@ -29,7 +29,8 @@ pub struct Curve {
 /// Computes the certified map of `model` over `grid` with `limit`, in parallel over pieces of its curves.
 ///
 /// Every point starts afresh or from its left neighbour within the same piece, and the pieces do not depend on the
-/// number of threads: so the numbers do not either. `done` is told of every finished piece.
+/// number of threads: so the numbers do not either. `done` is told of every finished
+/// piece, and of 0 points before each; it may unwind, which ends the map.
 pub fn map(model: &Model, grid: &Grid, limit: &dyn StepLimit, done: &(dyn Fn(usize) + Sync)) -> Vec<Curve> {
     // In place, since a map of millions of points is bound by the memory it touches.
     let unknown = Err(Uncertified { value: f64::NAN, width: f64::INFINITY });
@@ -38,6 +39,8 @@ pub fn map(model: &Model, grid: &Grid, limit: &dyn StepLimit, done: &(dyn Fn(usi
     let curve = |ratio: &Ratio| {
         let mut points: Vec<MapPoint> = grid.stiffness_penalties.iter().map(blank).collect();
         points.par_chunks_mut(PIECE).for_each(|piece| {
+            // Whoever unwinds here ends the map: rayon begins every piece all the same.
+            done(0);
             fill(model, limit, *ratio, piece);
             done(piece.len());
         });

@@ -18,7 +18,7 @@ LONG = {
     "map": "bp.Model.from_scene('hunek', mass='consistent').stability_map(np.logspace(-3, 12, 9000), "
     "np.logspace(-1, 3, 900), limit='park')",
     "impact": "bp.Model.from_scene('hunek', elements=2000).impact(1e3, 1.0, duration=1e2, every=10**6)",
-    "verify": "bp.Model.from_scene('hunek', elements=2000).verify(1e3, 1.0, scheme='park')",
+    "verify": "bp.Model.from_scene('hunek', elements=20000).verify(1e3, 1.0, scheme='park')",
     "matrices": "bp.Model.from_matrices(K, M, Z).stability_map(np.logspace(-3, 12, 400), np.logspace(-1, 3, 400), "
     "tolerance=1e-12)",
 }
