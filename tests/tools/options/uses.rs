@@ -27,6 +27,7 @@ pub enum Seen {
 
 /// tool, option, all arguments, what must be seen.
 pub const USES: &[(&str, &str, &str, Seen)] = &[
+    ("mesh-limits", "--quick", "rules --quick", All("study", "rules")),
     (
         "stability-map",
         "--elements",
