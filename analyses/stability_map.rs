@@ -36,11 +36,11 @@ struct Options {
     relative_courant: Option<f64>,
     #[command(flatten)]
     limit: LimitOptions,
-    /// Draw the records of a CSV file, written by an earlier run, again without computing
+    /// Draw the records of CSV files, written by earlier runs, again without computing, all in one figure
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
         "elements", "mass", "penalty_mass", "beta_s", "ratio", "relative_courant", "limit", "theta", "engine", "tolerance",
         "patch"])]
-    from: Option<PathBuf>,
+    from: Vec<PathBuf>,
     #[command(flatten)]
     output: OutputOptions,
 }
@@ -61,7 +61,7 @@ const EXAMPLES: &str = "Examples:
 
 /// Records to draw again, or maps to compute.
 enum Plan {
-    Redraw(PathBuf),
+    Redraw(Vec<PathBuf>),
     Jobs(Vec<Job>),
 }
 
@@ -87,16 +87,19 @@ impl Analysis for Options {
     }
 
     fn plan(&self) -> Result<Plan> {
-        match &self.from {
-            Some(file) => Ok(Plan::Redraw(file.clone())),
-            None => plan(self).map(Plan::Jobs),
+        match self.from.as_slice() {
+            [] => plan(self).map(Plan::Jobs),
+            files => Ok(Plan::Redraw(files.to_vec())),
         }
     }
 
     fn explain(&self, plan: &Plan) -> Result<String> {
         match plan {
-            Plan::Redraw(file) => {
-                Ok(format!("{}: drawn again; left out: every computation\n", file.display()))
+            Plan::Redraw(files) => {
+                let line = |file: &PathBuf| {
+                    format!("{}: drawn again; left out: every computation\n", file.display())
+                };
+                Ok(files.iter().map(line).collect())
             }
             Plan::Jobs(jobs) => {
                 Ok(jobs.iter().map(|job| job.explain(&self.limit)).collect::<Result<_, _>>()?)
@@ -106,8 +109,8 @@ impl Analysis for Options {
 
     fn compute(&self, plan: Plan, output: &Output) -> Result<(Found, usize)> {
         match plan {
-            Plan::Redraw(file) => {
-                let (rows, files) = redraw_stability(&file, output)?;
+            Plan::Redraw(files) => {
+                let (rows, files) = redraw_stability(&files, output)?;
                 Ok((Found { rows, ..Found::default() }, files))
             }
             Plan::Jobs(jobs) => compute(self, &jobs, output),
@@ -268,9 +271,9 @@ fn draw(job: &Job, rows: &[Vec<StabilityRow>], limit: &LimitOptions, output: &Ou
     let file = format!("{}.csv", job.stem);
     let figure = match job.chart {
         Chart::None => return Ok(0),
-        Chart::Curves => charts::curves(&file, rows, charts::is_logarithmic(&job.beta_s.values)),
+        Chart::Curves => charts::curves(file.as_str(), rows, charts::is_logarithmic(&job.beta_s.values)),
         Chart::MassFamily => charts::mass_family(&file, rows),
-        Chart::Map => charts::map(rows, &job.contour_lines(rows, limit)?),
+        Chart::Map => charts::map(rows, &job.contour_lines(rows, limit, output.levels())?),
     };
     Ok(output.write_figure(&job.stem, &figure)?.len())
 }

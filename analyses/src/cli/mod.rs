@@ -14,6 +14,7 @@ mod peers;
 mod plan;
 mod progress;
 mod redraw;
+mod style;
 mod summary;
 mod verification;
 
@@ -32,6 +33,7 @@ pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use plan::explain;
 pub use progress::Progress;
 pub use redraw::{redraw_optimal_ratio, redraw_stability};
+pub use style::{ColourMapOption, Limits, StyleOptions, TextOption};
 pub use summary::{
     MapSummary, governing_answer, point_answers, print_impacts, print_summaries, print_table, tabulate_ratios,
 };
