@@ -327,6 +327,17 @@ impl Layer {
         self
     }
 
+    /// The points of a line, of markers or of a shade; none of anything else.
+    pub fn points(&self) -> &[DataPoint] {
+        match self {
+            Self::Curve { points, .. }
+            | Self::Markers { points, .. }
+            | Self::Exact { points, .. }
+            | Self::Shade { points, .. } => points,
+            Self::Rule { .. } | Self::Cells { .. } | Self::Contour { .. } => &[],
+        }
+    }
+
     /// The records that hold the points; `None` if no file does.
     pub fn source(&self) -> Option<&Source> {
         match self {

@@ -42,7 +42,7 @@ pub fn curves<'a>(file: impl Into<Option<&'a str>>, models: &[Vec<StabilityRow>]
 
 /// Computed points as a curve, or as markers on a thin line where they are so few that the eye would take the straight
 /// pieces between them for computed.
-fn line(points: Vec<(f64, f64)>, label: String, style: usize) -> Layer {
+pub(super) fn line(points: Vec<(f64, f64)>, label: String, style: usize) -> Layer {
     /// Closer points than these on a column of a page, some 2 mm apart, cannot be told from a curve.
     const FEW: usize = 31;
     if points.len() > FEW {

@@ -1,6 +1,6 @@
 //! The largest ratio that costs no step, over beta_s.
 
-use super::maps::{STIFFNESS, figure, limit_name, number, scene_name};
+use super::maps::{STIFFNESS, figure, limit_name, line, number, scene_name};
 use crate::record::OptimalRatioRow;
 use figure::{Axis, Figure, Layer, Naming, Panel, Source, literal};
 
@@ -83,9 +83,9 @@ fn distances(models: &[Vec<OptimalRatioRow>], log: bool, ratio: f64) -> Option<F
             })
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let label = Some(literal(&model.first()?.mass));
+        let label = literal(&model.first()?.mass);
         let some = points.iter().any(|(_, distance)| distance.is_finite());
-        some.then_some(Layer::Markers { points, label, style, joined: true, source: None })
+        some.then(|| line(points, label, style))
     };
     let layers: Vec<Layer> = models.iter().enumerate().filter_map(layer).collect();
     let row = models.iter().flatten().next()?;

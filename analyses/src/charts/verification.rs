@@ -22,9 +22,13 @@ pub fn limits(predicted: &[Vec<StabilityRow>], measured: &[Vec<VerifyRow>], log:
         if let Some(row) = rows.first() {
             panel.y.label = format!("*C*_{{r}}, {}", limit_name(row.scheme));
         }
-        panel
-            .layers
-            .extend(rows.iter().filter(|row| !log || row.stiffness_penalty.0 > 0.0).flat_map(islands));
+        let shown = rows.iter().filter(|row| !log || row.stiffness_penalty.0 > 0.0);
+        let islands: Vec<Layer> = shown.flat_map(islands).collect();
+        let tops = islands.iter().flat_map(Layer::points).map(|point| point.1);
+        let top = tops.fold(0.0, f64::max);
+        // Islands lie above the curves that the range was made for, and get the same air.
+        panel.y.range = panel.y.range.map(|(low, high)| (low, high.max(top + 0.05 * (top - low))));
+        panel.layers.extend(islands);
         for Curve { ratio, .. } in curves_of(predicted) {
             let of_ratio = rows.iter().filter(|row| row.ratio.0 == ratio);
             let point =
@@ -49,7 +53,8 @@ pub fn limits(predicted: &[Vec<StabilityRow>], measured: &[Vec<VerifyRow>], log:
 
 /// Steps above its limit at which the scheme is stable again.
 fn island(points: Vec<(f64, f64)>) -> Layer {
-    Layer::curve(points, "stable again (island)", ISLAND)
+    let label = Some("stable again (island)".to_owned());
+    Layer::Markers { points, label, style: ISLAND, joined: true, source: None }
 }
 
 /// The islands of a row as upright lines, each between its ends.
