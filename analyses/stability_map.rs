@@ -236,7 +236,7 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
                 }
             });
         }
-        jobs
+        if options.output.style.overlay { overlaid(jobs)? } else { jobs }
     };
     jobs.iter().flat_map(|job| &job.models).try_for_each(|model| options.limit.check(model))?;
     if options.output.format.contains(&Format::Vtu) {
@@ -244,6 +244,20 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
     }
     check_stems(&options.output, jobs.iter().map(|job| job.stem.clone()))?;
     Ok(jobs)
+}
+
+/// Jobs over the same axes as one, to be drawn in one chart; others as they are.
+fn overlaid(jobs: Vec<Job>) -> Result<Vec<Job>> {
+    let axes = |job: &Job| (job.beta_s.values.clone(), job.ratio.values.clone());
+    let alike = jobs.windows(2).all(|pair| axes(&pair[0]) == axes(&pair[1]));
+    match jobs.as_slice() {
+        [first, _, ..] if alike && !first.paired => {
+            let stem = jobs.iter().map(|job| job.stem.as_str()).collect::<Vec<_>>().join("-");
+            let models = jobs.iter().flat_map(|job| job.models.clone()).collect();
+            Ok(vec![Job::new(stem, models, first.beta_s.clone(), first.ratio.clone())?])
+        }
+        _ => Ok(jobs),
+    }
 }
 
 /// Refuses modes of what has none that a file could hold.

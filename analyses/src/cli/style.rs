@@ -200,7 +200,7 @@ impl Style {
             let line = before.matches('\n').count() + 1;
             let value = text.lines().nth(line - 1).unwrap_or_default().trim().to_owned();
             let place = format!("{}, line {line}", path.display());
-            Refusal::new(place, format!("{value:?}: {}", error.message()), KEYS).into()
+            Refusal::new(place, format!("{value:?} ({})", error.message()), KEYS).into()
         })
     }
 
