@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum, ValueHint};
 use serde::Deserialize;
 
 use crate::error::{Error, Refusal, Result};
-use figure::{Axis, ColourMap, Figure, Layer, Lettering};
+use figure::{Axis, ColourMap, Figure, Layer, Lettering, Width};
 
 /// How figures look. An option counts before the same key of the style file.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
@@ -311,7 +311,8 @@ fn overlaid(mut figure: Figure) -> Result<Figure, Refusal> {
     };
     let mut panels = figure.panels.into_iter();
     let Some(mut all) = panels.next() else { return Ok(Figure { panels: Vec::new(), ..figure }) };
-    let (mut layers, mut styles) = (Vec::new(), 0);
+    // A style for each style of each panel, in turn, so that as many as there are differ.
+    let (mut layers, mut styles): (Vec<Layer>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
     let rest: Vec<_> = panels.collect();
     let first = std::mem::take(&mut all.layers);
     let parts = std::iter::once((all.title.take(), first)).chain(rest.into_iter().map(|panel| {
@@ -319,12 +320,14 @@ fn overlaid(mut figure: Figure) -> Result<Figure, Refusal> {
         all.y.range = wider(all.y.range, panel.y.range);
         (panel.title, panel.layers)
     }));
-    for (title, part) in parts.collect::<Vec<_>>() {
-        let from = styles;
+    for (index, (title, part)) in parts.collect::<Vec<_>>().into_iter().enumerate() {
         for mut layer in part.into_iter().filter(|layer| !matches!(layer, Layer::Shade { .. })) {
             if let Layer::Curve { style, .. } | Layer::Markers { style, .. } = &mut layer {
-                *style += from;
-                styles = styles.max(*style + 1);
+                let own = (index, *style);
+                *style = styles.iter().position(|known| *known == own).unwrap_or_else(|| {
+                    styles.push(own);
+                    styles.len() - 1
+                });
             }
             if let (Some(label), Some(title)) = (label_of(&mut layer), &title) {
                 *label = format!("{title}, {label}");
@@ -334,5 +337,5 @@ fn overlaid(mut figure: Figure) -> Result<Figure, Refusal> {
     }
     all.layers = layers;
     figure.naming = figure::Naming::Legend;
-    Ok(Figure { panels: vec![all], columns: 1, ..figure })
+    Ok(Figure { panels: vec![all], columns: 1, width: Width::Single, ..figure })
 }
