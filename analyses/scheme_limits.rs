@@ -186,10 +186,11 @@ fn draw(
 ) -> Result<usize> {
     let figure = if job.chart == Chart::Map {
         let panels = limits(job, model).zip(rows);
-        let lines = panels.map(|(limit, rows)| job.lines_of(model, rows, &settings(limit, theta)));
+        let lines =
+            panels.map(|(limit, rows)| job.lines_of(model, rows, &settings(limit, theta), output.levels()));
         charts::map(rows, &lines.collect::<Result<Vec<_>, Refusal>>()?)
     } else {
-        charts::curves(&format!("{}.csv", job.stem), rows, false)
+        charts::curves(format!("{}.csv", job.stem).as_str(), rows, false)
     };
     Ok(output.write_figure(&job.stem, &charts::titled_by_limit(figure, rows))?.len())
 }

@@ -45,11 +45,11 @@ struct Options {
     /// Units of the axes of the charts; the records hold both
     #[arg(long, value_name = "UNITS", default_value = "dimensionless")]
     units: Units,
-    /// Draw the records of a CSV file, written by an earlier run, again without computing
+    /// Draw the records of CSV files, written by earlier runs, again without computing, all in one figure
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
         "elements", "mass", "penalty_mass", "beta_s", "stiffness", "ratio", "relative_courant", "time_step", "limit", "theta", "parameter", "damping_mass",
         "damping_stiffness", "damping_contact", "engine", "tolerance", "patch"])]
-    from: Option<PathBuf>,
+    from: Vec<PathBuf>,
     #[command(flatten)]
     output: OutputOptions,
 }
@@ -71,7 +71,7 @@ const EXAMPLES: &str = "Examples:
 
 /// Records to draw again, maps to compute, or a step (s) to hold against their limits.
 enum Plan {
-    Redraw(PathBuf),
+    Redraw(Vec<PathBuf>),
     Jobs(Vec<Job>),
     Step(Vec<Job>, f64),
 }
@@ -99,22 +99,23 @@ impl Analysis for Options {
     }
 
     fn plan(&self) -> Result<Plan> {
-        match &self.from {
-            Some(file) => Ok(Plan::Redraw(file.clone())),
-            None => {
-                let jobs = plan(self)?;
-                Ok(match self.time_step {
-                    Some(time_step) => Plan::Step(jobs, time_step),
-                    None => Plan::Jobs(jobs),
-                })
-            }
+        if !self.from.is_empty() {
+            return Ok(Plan::Redraw(self.from.clone()));
         }
+        let jobs = plan(self)?;
+        Ok(match self.time_step {
+            Some(time_step) => Plan::Step(jobs, time_step),
+            None => Plan::Jobs(jobs),
+        })
     }
 
     fn explain(&self, plan: &Plan) -> Result<String> {
         match plan {
-            Plan::Redraw(file) => {
-                Ok(format!("{}: drawn again; left out: every computation\n", file.display()))
+            Plan::Redraw(files) => {
+                let line = |file: &PathBuf| {
+                    format!("{}: drawn again; left out: every computation\n", file.display())
+                };
+                Ok(files.iter().map(line).collect())
             }
             Plan::Jobs(jobs) | Plan::Step(jobs, _) => {
                 Ok(jobs.iter().map(|job| job.explain(&self.limit)).collect::<Result<_, _>>()?)
@@ -124,8 +125,8 @@ impl Analysis for Options {
 
     fn compute(&self, plan: Plan, output: &Output) -> Result<(Found, usize)> {
         match plan {
-            Plan::Redraw(file) => {
-                let (rows, files) = redraw_stability(&file, self.units, output)?;
+            Plan::Redraw(files) => {
+                let (rows, files) = redraw_stability(&files, self.units, output)?;
                 Ok((Found { rows, ..Found::default() }, files))
             }
             Plan::Jobs(jobs) => compute(self, &jobs, output),
@@ -275,7 +276,7 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
                 }
             });
         }
-        jobs
+        if options.output.style.overlay { overlaid(jobs)? } else { jobs }
     };
     jobs.iter().flat_map(|job| &job.models).try_for_each(|model| options.limit.check(model))?;
     let jobs = named_by_limit(jobs, options)?;
@@ -326,6 +327,20 @@ fn check_step(options: &Options, time_step: f64) -> Result<(), Refusal> {
     Ok(())
 }
 
+/// Jobs over the same axes as one, to be drawn in one chart; others as they are.
+fn overlaid(jobs: Vec<Job>) -> Result<Vec<Job>> {
+    let axes = |job: &Job| (job.beta_s.values.clone(), job.ratio.values.clone());
+    let alike = jobs.windows(2).all(|pair| axes(&pair[0]) == axes(&pair[1]));
+    match jobs.as_slice() {
+        [first, _, ..] if alike && !first.paired => {
+            let stem = jobs.iter().map(|job| job.stem.as_str()).collect::<Vec<_>>().join("-");
+            let models = jobs.iter().flat_map(|job| job.models.clone()).collect();
+            Ok(vec![Job::new(stem, models, first.beta_s.clone(), first.ratio.clone())?])
+        }
+        _ => Ok(jobs),
+    }
+}
+
 /// Refuses modes of what has none that a file could hold.
 fn check_modes(job: &Job, limit: &LimitOptions) -> Result<()> {
     let refuse = |value: String, allowed: &str| Err(Refusal::new("--format", value, allowed).into());
@@ -349,10 +364,10 @@ fn draw(job: &Job, rows: &[Vec<StabilityRow>], options: &Options, output: &Outpu
     let mut lines = Vec::new();
     let mut figure = match job.chart {
         Chart::None => return Ok(0),
-        Chart::Curves => charts::curves(&file, rows, charts::is_logarithmic(&job.beta_s.values)),
+        Chart::Curves => charts::curves(file.as_str(), rows, charts::is_logarithmic(&job.beta_s.values)),
         Chart::MassFamily => charts::mass_family(&file, rows),
         Chart::Map => {
-            lines = job.contour_lines(rows, &options.limit)?;
+            lines = job.contour_lines(rows, &options.limit, output.levels())?;
             charts::map(rows, &lines)
         }
     };

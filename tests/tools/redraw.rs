@@ -212,3 +212,39 @@ fn wrong_records_are_refused_by_line_and_column() {
     let left: Vec<String> = scratch.files().into_iter().filter(|name| name != "wrong.csv").collect();
     assert_eq!(left, files, "nothing is written");
 }
+
+/// The record of a figure that is drawn again names the run that computed, also the second time, and certifies nothing.
+#[test]
+fn a_redraw_keeps_the_run_that_computed_and_certifies_nothing() {
+    let scratch = Scratch::new("origin");
+    run(&scratch, "signorini --mass lumped --beta-s 0,1,2 --format svg,csv,record --out a --quiet")
+        .succeeded();
+    let record = |name: &str| -> serde_json::Value { serde_json::from_slice(&scratch.read(name)).unwrap() };
+    let first = record("a/signorini-lumped.record.json");
+    for (from, to) in [("a", "b"), ("b", "c")] {
+        let command =
+            format!("--from {from}/signorini-lumped.csv --format svg,csv,record --out {to} --quiet");
+        run(&scratch, &command).succeeded();
+        let again = record(&format!("{to}/signorini-lumped.record.json"));
+        assert_eq!(again["computed"][0]["command"], first["command"], "{to}");
+        assert!(!again["checks"].to_string().contains("certified"), "{}", again["checks"]);
+    }
+    // One row less than the record speaks of: the run is not known.
+    let csv = String::from_utf8(scratch.read("a/signorini-lumped.csv")).unwrap();
+    let (shorter, _) = csv.trim_end().rsplit_once('\n').unwrap();
+    scratch.write("a/signorini-lumped.csv", shorter);
+    run(&scratch, "--from a/signorini-lumped.csv --format svg,record --out d --quiet");
+    let altered = record("d/signorini-lumped.record.json");
+    assert!(altered["computed"][0]["command"].is_null() && altered["computed"][0]["unknown"].is_string());
+}
+
+#[test]
+fn a_style_is_refused_by_line() {
+    let scratch = Scratch::new("style");
+    for wrong in ["titel = \"x\"", "x_limits = [2, 1]", "levels = [-1.0]", "colour_map = \"jet\""] {
+        scratch.write("style.toml", format!("tags = true\n{wrong}\n"));
+        let out = run(&scratch, "signorini --style style.toml --out out");
+        assert!(out.status == 2 && out.stderr.contains("style.toml, line 2"), "{wrong}: {}", out.stderr);
+    }
+    assert_eq!(scratch.files(), Vec::<String>::new());
+}

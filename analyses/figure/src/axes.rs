@@ -25,16 +25,16 @@ pub(super) fn draw_axes(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(),
     bottom_axis(canvas, placed)?;
     let at = |value| frame.y_at(value);
     vertical_axis(canvas, &panel.y, &placed.y_ticks, rect, Edge::Left, at)?;
-    let mut rise = title_rise(0.0, rect.width());
     if let Some(title) = &panel.title {
         let line = canvas.fonts().line(title, placed.title_size)?;
-        rise = title_rise(line.width, rect.width());
+        let rise = title_rise(line.width, rect.width());
         canvas.text(&plain(&line, (rect.centre().0, rect.top - rise), Anchor::BOTTOM));
     }
     if let Some(tag) = &placed.tag {
         // Beside the frame, where no title stands.
         let line = canvas.fonts().line(tag, TITLE_SIZE)?;
-        let at = (rect.left - 2.0 * GAP, rect.top - rise);
+        // Above the label of a tick at the end of the axis.
+        let at = (rect.left - 2.0 * GAP, rect.top - title_rise(f64::INFINITY, rect.width()));
         canvas.text(&plain(&line, at, Anchor { x: 1.0, y: 1.0 }));
     }
     Ok(())

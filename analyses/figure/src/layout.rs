@@ -197,9 +197,10 @@ fn common_margins(
         let head = match &panel.title {
             Some(title) => {
                 let width = fonts.line(title, TITLE_SIZE)?.width;
+                let width = if figure.tags { f64::INFINITY } else { width };
                 text_height(TITLE_SIZE) + title_rise(width, size.0) - 2.0 * GAP
             }
-            None if figure.tags => text_height(TITLE_SIZE),
+            None if figure.tags => text_height(TITLE_SIZE) + title_rise(f64::INFINITY, size.0) - 2.0 * GAP,
             None if y_ticks.power.is_some() => text_height(TICK_SIZE),
             None => 0.0,
         };

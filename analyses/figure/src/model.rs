@@ -234,7 +234,8 @@ pub enum At {
 /// Something drawn between the axes. Labels are markup, see [`crate`].
 /// A `style` picks colour, dash and marker shape together, so that equal styles look equal: 0 blue,
 /// solid, disc; 1 vermilion, dashed, square; 2 green, dotted, triangle; 3 purple, dash-dotted,
-/// diamond; 4 black; 5 orange; 6 sky blue; 7 grey; 8 light grey, solid and thin, for what swings behind the others; then again from 0.
+/// diamond; 4 black; 5 orange; 6 sky blue; 7 grey; 8 light grey, solid and thin, for what swings behind the others; then again from 0, with filled markers for
+/// open ones.
 #[derive(Clone, Debug)]
 pub enum Layer {
     /// Predicted values, joined; a point that is not finite leaves a gap.
@@ -324,6 +325,17 @@ impl Layer {
             *source = records;
         }
         self
+    }
+
+    /// The points of a line, of markers or of a shade; none of anything else.
+    pub fn points(&self) -> &[DataPoint] {
+        match self {
+            Self::Curve { points, .. }
+            | Self::Markers { points, .. }
+            | Self::Exact { points, .. }
+            | Self::Shade { points, .. } => points,
+            Self::Rule { .. } | Self::Cells { .. } | Self::Contour { .. } => &[],
+        }
     }
 
     /// The records that hold the points; `None` if no file does.

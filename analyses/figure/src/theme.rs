@@ -152,7 +152,8 @@ pub(super) fn series_dash(style: usize) -> &'static [f64] {
     DASHES[style % DASHES.len()]
 }
 
-/// Marker of this style and whether it is filled.
+/// Marker of this style and whether it is filled; every second round through the styles turns that about.
 pub(super) fn series_shape(style: usize) -> (Shape, bool) {
-    SHAPES[style % SHAPES.len()]
+    let (shape, filled) = SHAPES[style % SHAPES.len()];
+    (shape, filled == (style / SHAPES.len()).is_multiple_of(2))
 }

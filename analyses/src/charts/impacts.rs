@@ -4,7 +4,7 @@
 use super::maps::{number, scene_name};
 use crate::record::{HistoryRow, Number, StressRow};
 use bipenalty::schemes::{ContactSearch, Facts};
-use figure::{Axis, Figure, Layer, Panel, Source, Width, literal};
+use figure::{Axis, Figure, Layer, Panel, Scale, Source, Width, literal};
 
 /// The records of one run, as the charts need them.
 #[derive(Debug, Clone)]
@@ -128,8 +128,21 @@ fn panels(
 ) -> Figure {
     let mut penalties: Vec<f64> = runs.iter().map(|run| run.stiffness_penalty).collect();
     penalties.dedup();
-    let panel = |beta_s: &f64| {
-        let of_panel: Vec<&RunRecord> = runs.iter().filter(|run| run.stiffness_penalty == *beta_s).collect();
+    let of = |beta_s: f64| runs.iter().filter(move |run| run.stiffness_penalty == beta_s);
+    let same = |one: f64, other: f64| {
+        of(one).count() == of(other).count()
+            && of(one).zip(of(other)).all(|(a, b)| look_alike(&curve(a).0, &curve(b).0, y.scale))
+    };
+    // One panel for all penalties that look alike, such as the stiff ones.
+    let mut groups: Vec<Vec<f64>> = Vec::new();
+    for beta_s in penalties {
+        match groups.iter_mut().find(|group| same(group[0], beta_s)) {
+            Some(group) => group.push(beta_s),
+            None => groups.push(vec![beta_s]),
+        }
+    }
+    let panel = |group: &Vec<f64>| {
+        let of_panel: Vec<&RunRecord> = of(group[0]).collect();
         let mut layers = Vec::new();
         for run in &of_panel {
             let (points, source) = curve(run);
@@ -142,11 +155,12 @@ fn panels(
         if !exact.is_empty() {
             layers.push(Layer::Exact { points: exact.clone(), label: Some("exact".to_owned()) });
         }
+        let numbers: Vec<String> = group.iter().map(|beta_s| number(*beta_s)).collect();
         let title =
-            format!("{}, {}, *β*_{{s}} = {}", literal(&scene_name(scene)), literal(mass), number(*beta_s));
+            format!("{}, {}, *β*_{{s}} = {}", literal(&scene_name(scene)), literal(mass), numbers.join(", "));
         Panel::new(Axis::linear(x), y.clone(), layers).titled(title)
     };
-    let panels: Vec<Panel> = penalties.iter().map(panel).filter(|panel| !panel.layers.is_empty()).collect();
+    let panels: Vec<Panel> = groups.iter().map(panel).filter(|panel| !panel.layers.is_empty()).collect();
     let width = if panels.len() == 1 { Width::Single } else { Width::Double };
     let mut figure = Figure::new(width, panels);
     figure.columns = figure.columns.min(2);
@@ -154,7 +168,24 @@ fn panels(
     figure
 }
 
-/// A scheme that looks for contact only at the start of a step chatters on a stiff one: it stays grey behind the others, and
+/// Whether two lines differ by less than the width of a line anywhere: half a hundredth of the height of a chart, over
+/// whose decades `scale` may spread it.
+fn look_alike(one: &[(f64, f64)], other: &[(f64, f64)], scale: Scale) -> bool {
+    const LINE: f64 = 0.005;
+    let finite = || one.iter().map(|point| point.1).filter(|y| y.is_finite());
+    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    let close = |a: f64, b: f64| match scale {
+        Scale::Linear => (a - b).abs() <= LINE * (high - low),
+        Scale::Log => (a / b).ln().abs() <= LINE * (high / low).ln(),
+    };
+    one.len() == other.len()
+        && one
+            .iter()
+            .zip(other)
+            .all(|(a, b)| a.0 == b.0 && (close(a.1, b.1) || (a.1.is_nan() && b.1.is_nan())))
+}
+
+/// A scheme that looks for contact only at the start of a step chatters on a stiff one: it stays grey and thin behind the others, and
 /// the one that is proven to gain nothing leads.
 fn style(scheme: Facts) -> usize {
     const LIGHT_GREY: usize = 8;

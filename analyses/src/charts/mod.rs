@@ -2,15 +2,16 @@
 
 mod curve;
 pub mod impacts;
+mod levels;
 mod maps;
 pub mod meshes;
 pub mod opening;
+mod optimal;
 pub mod precision;
 mod units;
 pub mod verification;
 
-pub use maps::{
-    ContourLines, costs, curves, interpolated_contours, is_logarithmic, levels, map, mass_family,
-    optimal_ratio, titled_by_limit,
-};
+pub use levels::{ContourLines, Level, interpolated_contours, levels};
+pub use maps::{costs, curves, is_logarithmic, map, mass_family, titled_by_limit};
+pub use optimal::optimal_ratio;
 pub use units::in_si;

@@ -2,10 +2,13 @@
 
 use super::maps::{limit_name, scene_name};
 use crate::record::OpeningRow;
-use figure::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Width, literal};
+use figure::{At, Axis, ColourBar, ColourMap, Figure, Layer, Naming, Panel, Side, Width, literal};
 
-/// Gains below the first have the darkest colour, those above the second the lightest.
+/// Gains below the first have the darkest colour, those above the second the lightest; the colour bar has points there.
 const SHOWN: (f64, f64) = (1e-4, 1e2);
+
+/// Where a chart of gains shows that there is none: below all that it shows otherwise.
+const NONE: f64 = 0.1 * SHOWN.0;
 
 const GAIN: &str = "energy gained / put in";
 const STEP: &str = "step / linear limit";
@@ -18,7 +21,7 @@ pub fn is_map(rows: &[OpeningRow]) -> bool {
 
 /// The largest gain over all loads and beta_s for the rows of one scene and mass, which must make a map: as colour over step and r, one panel
 /// a scheme, and for the pure penalty method, which has no place on the axis of r, as curves over the step. What is out of
-/// the range shown is drawn at its end.
+/// the range shown is drawn at its end, and what gains nothing is shaded, or drawn at 0.
 pub fn gain_maps(rows: &[OpeningRow]) -> Figure {
     let schemes = distinct_schemes(rows);
     let mut panels: Vec<Panel> = schemes.iter().map(|scheme| map_of(rows, scheme)).collect();
@@ -30,13 +33,16 @@ pub fn gain_maps(rows: &[OpeningRow]) -> Figure {
             let steps = distinct(of_scheme.iter().map(|row| fraction(row)));
             let points =
                 steps.into_iter().map(|at| (at, largest_gain(&of_scheme, |row| fraction(row) == at)));
+            let points =
+                points.map(|(at, gain)| (at, if gain <= 0.0 { NONE } else { gain.clamp(SHOWN.0, SHOWN.1) }));
             let label = Some(literal(&limit_name(scheme)));
             Layer::Markers { points: points.collect(), label, style, joined: true, source: None }
         };
         let mut layers: Vec<Layer> = schemes.iter().enumerate().map(layer).collect();
         let counts = 1.0 / first.elements as f64;
         layers.push(Layer::Rule { at: At::Y(counts), label: Some("one element".to_owned()) });
-        let y = Axis::log(GAIN).over(SHOWN.0 / 2.0, 2.0 * SHOWN.1);
+        let y = Axis::log(GAIN).over(NONE / 2.0, 2.0 * SHOWN.1).named(NONE, "0");
+        let y = y.named(SHOWN.0, "≤ 10^{−4}").named(SHOWN.1, "≥ 10^{2}");
         panels.push(
             Panel::new(Axis::linear(STEP).over(0.0, 1.0), y, layers).titled(title(rows, "pure penalty")),
         );
@@ -44,6 +50,8 @@ pub fn gain_maps(rows: &[OpeningRow]) -> Figure {
     let mut figure = Figure::new(Width::Double, panels);
     figure.columns = 2;
     figure.naming = Naming::Legend;
+    let none = Some("no gain".to_owned());
+    figure.key = vec![Layer::Shade { points: Vec::new(), side: Side::Below, label: none, source: None }];
     let axis = Axis::log(GAIN).over(SHOWN.0, SHOWN.1);
     figure.colour_bar = Some(ColourBar { axis, map: ColourMap::Viridis });
     figure
@@ -72,10 +80,10 @@ fn edges(centres: &[f64]) -> (f64, f64) {
     (1.5 * centres[0] - 0.5 * centres[1], 1.5 * centres[last] - 0.5 * centres[last - 1])
 }
 
-/// The largest gain of the rows that are `wanted`, within the range shown; NaN if there is none.
+/// The largest gain of the rows that are `wanted`, 0 where nothing is gained; NaN if there is none.
 fn largest_gain(rows: &[&OpeningRow], wanted: impl Fn(&OpeningRow) -> bool) -> f64 {
     let gains = rows.iter().filter(|row| wanted(row)).map(|row| row.energy_gain.0);
-    gains.map(|gain| gain.clamp(SHOWN.0, SHOWN.1)).fold(f64::NAN, f64::max)
+    gains.filter(|gain| !gain.is_nan()).map(|gain| gain.max(0.0)).fold(f64::NAN, f64::max)
 }
 
 /// C/C_limit to nine digits, so that the same fraction of different limits is one column.

@@ -12,28 +12,35 @@ const SECONDS: &str = "time [s]";
 /// How the methods that step at half the critical step end.
 const HALF: &str = "C=0.5";
 
-/// A method's name in the legend and its style. Methods of one kind share both.
-fn kind(method: &str) -> (&'static str, usize) {
-    const KINDS: [(&str, &str, usize); 13] = [
+/// A method's name in the legend and its style: its own, since two lines of one kind say nothing.
+fn kind(method: &str) -> (String, usize) {
+    const KINDS: [(&str, &str, usize); 20] = [
+        ("closed-form unproven", "closed form, unproven", 9),
         ("closed-form", "closed form", 0),
         ("secular", "secular", 1),
         ("sturm", "Sturm", 2),
         ("dense", "dense (faer)", 3),
         ("lapack", "LAPACK", 4),
         ("LAPACK", "LAPACK", 4),
-        ("scipy", "scipy", 5),
-        ("element bound", "element bound, Gershgorin (l_max from above)", 6),
-        ("Gershgorin", "element bound, Gershgorin (l_max from above)", 6),
-        ("power", "power iteration (l_max from below)", 7),
-        ("Lanczos", "Lanczos (l_max from below)", 8),
+        ("scipy eigh", "scipy eigh", 5),
+        ("scipy eig_banded", "scipy eig_banded", 14),
+        ("scipy", "scipy eigsh", 13),
+        ("element bound", "element bound (l_max from above)", 6),
+        ("Gershgorin", "Gershgorin (l_max from above)", 15),
+        ("power iteration 300", "power iteration, 300 steps (l_max from below)", 16),
+        ("power", "power iteration, 30 steps (l_max from below)", 7),
+        ("Lanczos 80", "Lanczos, 80 steps (l_max from below)", 17),
+        ("Lanczos", "Lanczos, 20 steps (l_max from below)", 8),
         ("predictor-corrector", "predictor-corrector", 0),
         ("park", "Park", 1),
+        ("numpy predictor-corrector", "numpy predictor-corrector", 9),
+        ("numpy park", "numpy Park", 10),
     ];
     let known = KINDS.iter().find(|(start, ..)| method.starts_with(start));
     match known {
-        Some((_, name, style)) => (name, *style),
-        None if method.starts_with("numpy") => ("numpy", 5),
-        None => ("central difference", 7),
+        Some((_, name, style)) => ((*name).to_owned(), *style),
+        None if method.starts_with("numpy") => ("numpy central difference".to_owned(), 16),
+        None => ("central difference".to_owned(), 7),
     }
 }
 
@@ -64,7 +71,7 @@ pub fn eigenvalue_times(rows: &[Measurement]) -> Figure {
             let (name, style) = kind(method);
             let points = of().filter(|row| row.method == *method);
             let points = points.filter_map(|row| Some((row.size as f64, row.point()?.0))).collect();
-            Layer::Markers { points, label: Some(literal(name)), style, joined: true, source: None }
+            Layer::Markers { points, label: Some(literal(&name)), style, joined: true, source: None }
         };
         let layers = methods.iter().map(line).collect();
         Panel::new(Axis::log("elements *n*"), Axis::log(SECONDS), layers).titled(literal(problem))
@@ -93,7 +100,10 @@ pub fn impact_errors(rows: &[Measurement], scene: &str) -> Figure {
         let what = problem.trim_start_matches(&prefix).replace('-', ", ");
         panel_of(error_axis("rms error", &rows), layers, format!("{}, {what}", scene_name(scene)))
     };
-    figure(problems(&rows).iter().map(panel).collect(), 3)
+    let mut figure = figure(problems(&rows).iter().map(panel).collect(), 3);
+    let single = "not joined: a step other than half the critical one";
+    figure.key = vec![Layer::markers(Vec::new(), single, 13)];
+    figure
 }
 
 /// What can be drawn of a family.
@@ -112,8 +122,8 @@ fn methods<'a>(rows: impl Iterator<Item = &'a Measurement>) -> Vec<&'a str> {
 }
 
 fn markers(rows: &[&Measurement], joined: bool) -> Layer {
-    let (name, style) = rows.first().map_or(("", 0), |row| kind(&row.method));
-    Layer::Markers { points: points(rows), label: Some(literal(name)), style, joined, source: None }
+    let (name, style) = rows.first().map_or((String::new(), 0), |row| kind(&row.method));
+    Layer::Markers { points: points(rows), label: Some(literal(&name)), style, joined, source: None }
 }
 
 fn points(rows: &[&Measurement]) -> Vec<(f64, f64)> {

@@ -1,6 +1,7 @@
 //! Charts of limits with axes in seconds and N/m.
 
-use super::maps::{ContourLines, number};
+use super::levels::ContourLines;
+use super::maps::number;
 use crate::record::StabilityRow;
 use figure::{At, Axis, Figure, Layer, Panel};
 
@@ -29,7 +30,7 @@ pub fn in_si(mut figure: Figure, models: &[Vec<StabilityRow>], contours: &[Conto
         if !is_map {
             scale(&mut panel.y, STEP, step);
         }
-        let mut levels = contours.get(i).into_iter().flatten().map(|(level, _)| level * step);
+        let mut levels = contours.get(i).into_iter().flatten().map(|(level, _)| level.value * step);
         panel.layers.iter_mut().for_each(|layer| scale_layer(layer, (stiffness, y), step, &mut levels));
     }
     if let Some(bar) = &mut figure.colour_bar {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::{LimitOptions, Progress};
-use crate::charts::{ContourLines, interpolated_contours, is_logarithmic, levels};
+use crate::charts::{ContourLines, Level, interpolated_contours, is_logarithmic, levels};
 use crate::error::{Refusal, Result};
 use crate::record::StabilityRow;
 use bipenalty::fem::MassMatrix;
@@ -231,12 +231,13 @@ impl Job {
         &self,
         rows: &[Vec<StabilityRow>],
         limit: &LimitOptions,
+        asked: Option<&[f64]>,
     ) -> Result<Vec<ContourLines>, Refusal> {
         let models = self.models.iter().zip(rows);
-        models.map(|(model, rows)| self.lines_of(model, rows, limit)).collect()
+        models.map(|(model, rows)| self.lines_of(model, rows, limit, asked)).collect()
     }
 
-    /// The contour lines of one of the models, whose rows these are.
+    /// The contour lines of one of the models, whose rows these are, at the levels `asked` for, if any are.
     ///
     /// # Errors
     /// As [`Job::contour_lines`].
@@ -245,15 +246,19 @@ impl Job {
         model: &AnyModel,
         rows: &[StabilityRow],
         limit: &LimitOptions,
+        asked: Option<&[f64]>,
     ) -> Result<ContourLines, Refusal> {
         let of_bars = matches!(model, AnyModel::Bars(_));
         if of_bars && limit.limit.scheme().is_some() && model.contacts() > 1 {
-            return Ok(interpolated_contours(rows));
+            return Ok(interpolated_contours(rows, asked));
         }
         let range = |axis: &Axis| (axis.values[0], axis.values[axis.values.len() - 1]);
         let (beta_s, ratio, asking) = (range(&self.beta_s), range(&self.ratio), limit.asking()?);
-        let line = |level: f64| Ok((level, model.contour(level, beta_s, ratio, &asking)?));
-        levels(rows).into_iter().map(line).collect()
+        let line = |level: Level| {
+            let points = model.contour(level.value, beta_s, ratio, &asking)?;
+            Ok((level, points))
+        };
+        levels(rows, asked).into_iter().map(line).collect()
     }
 }
 

@@ -16,6 +16,7 @@ mod plan;
 mod progress;
 mod redraw;
 mod steps;
+mod style;
 mod summary;
 mod verification;
 
@@ -34,6 +35,7 @@ pub use plan::{explain, step_and_cost};
 pub use progress::Progress;
 pub use redraw::{redraw_optimal_ratio, redraw_stability};
 pub use steps::{HeldStep, hold_step};
+pub use style::{ColourMapOption, Limits, StyleOptions, TextOption};
 pub use summary::{
     FEW_POINTS, MapSummary, governing_answer, point_answers, print_impacts, print_summaries, print_table,
     tabulate_ratios,

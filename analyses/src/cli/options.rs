@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum, ValueHint};
 
+use super::StyleOptions;
 use crate::error::{Error, Refusal, Result};
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
@@ -179,6 +180,9 @@ pub struct OutputOptions {
     /// Printed width of the figures: single (a column, 90 mm) or double (a page, 190 mm) [default: by panels]
     #[arg(long, value_name = "WIDTH")]
     pub width: Option<WidthOption>,
+    /// How the figures look.
+    #[command(flatten)]
+    pub style: StyleOptions,
     /// Print the records on standard output and write no file
     #[arg(long, value_name = "FORMAT", conflicts_with = "format")]
     pub stdout: Option<StandardOutput>,

@@ -8,9 +8,10 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use super::style::Style;
 use super::{Format, OutputOptions, StandardOutput};
 use crate::error::{Error, Refusal, Result};
-use crate::record::{self, FigureRecord, Provenance, Table};
+use crate::record::{self, FigureRecord, Origin, Provenance, Table};
 use figure::{Figure, Width};
 
 /// Where a run writes, checked before it computes.
@@ -21,13 +22,16 @@ pub struct Output {
     stdout: Option<StandardOutput>,
     provenance: Provenance,
     width: Option<Width>,
+    style: Style,
     begun: Instant,
     /// The records of the run by their stem: its figures speak of them.
     tables: Arc<Mutex<BTreeMap<String, Table>>>,
     /// The first figure that could not be drawn.
     undrawn: Arc<Mutex<Option<Error>>>,
-    /// The file that is drawn again, never to be overwritten.
-    source: Option<PathBuf>,
+    /// The files that are drawn again, never to be overwritten.
+    sources: Vec<PathBuf>,
+    /// Where the rows that are drawn again come from; `None` where they are computed.
+    computed: Option<Vec<Origin>>,
 }
 
 impl Output {
@@ -36,6 +40,7 @@ impl Output {
     /// # Errors
     /// Refuses a directory that is a file or cannot be written to.
     pub fn prepare(options: &OutputOptions, tool: &str) -> Result<Self> {
+        let style = Style::new(&options.style)?;
         let directory = options.out.clone().unwrap_or_else(|| Path::new("figures").join(tool));
         if options.stdout.is_none() && !options.explain {
             check_writable(&directory)?;
@@ -50,16 +55,25 @@ impl Output {
             stdout: options.stdout,
             provenance: Provenance::new(tool, std::env::args().skip(1)),
             width: options.width.map(Width::from),
+            style,
             begun: Instant::now(),
             tables: Arc::default(),
             undrawn: Arc::default(),
-            source: None,
+            sources: Vec::new(),
+            computed: None,
         })
     }
 
-    /// The same output for the figures of the records in `file`, which is left as it is.
-    pub fn redrawing(self, file: &Path) -> Self {
-        Self { source: file.canonicalize().ok(), ..self }
+    /// The same output for the figures of the records in these files, of so many rows, which are left as they are.
+    pub fn redrawing(self, files: &[(PathBuf, usize)]) -> Self {
+        let sources = files.iter().filter_map(|(file, _)| file.canonicalize().ok()).collect();
+        let computed = files.iter().map(|(file, rows)| Origin::of(file, *rows)).collect();
+        Self { sources, computed: Some(computed), ..self }
+    }
+
+    /// The contour lines that the user asked for.
+    pub fn levels(&self) -> Option<&[f64]> {
+        self.style.levels()
     }
 
     /// Tells on standard error how many files a run has written, if any.
@@ -186,8 +200,9 @@ impl Output {
         if figure.panels.is_empty() {
             return Ok(Vec::new());
         }
+        let figure = self.style.apply(figure.clone())?;
         let figure = match self.width {
-            Some(width) => &figure.clone().at_width(width),
+            Some(width) => figure.at_width(width),
             None => figure,
         };
         let data: Vec<Table> = {
@@ -222,6 +237,9 @@ impl Output {
                 about.map(|rows| -> Result<_> { Ok(Table::of("", &record::csv(rows)?)?) }).transpose()?;
             let width = figure.width.millimetres();
             let mut record = FigureRecord::new(stem, width, self.provenance.clone(), &data, about.as_ref());
+            if let Some(computed) = &self.computed {
+                record = record.redrawn(computed.clone(), &data);
+            }
             record.files =
                 written.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect();
             record.seconds = self.begun.elapsed().as_secs_f64();
@@ -249,7 +267,7 @@ impl Output {
     /// Writes a file whole or not at all: to a neighbour first, then renamed.
     fn write(&self, stem: &str, ending: &str, bytes: &[u8]) -> Result<Option<PathBuf>> {
         let path = self.directory.join(format!("{stem}.{ending}"));
-        if self.source.is_some() && path.canonicalize().ok() == self.source {
+        if path.canonicalize().is_ok_and(|path| self.sources.contains(&path)) {
             return Ok(None);
         }
         let draft = self.directory.join(format!(".{stem}.{ending}.part"));

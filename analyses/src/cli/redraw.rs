@@ -1,6 +1,6 @@
 //! `--from FILE.csv`: the figure of records that a run has left, drawn again without computing.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{Chart, Output, Units};
 use crate::error::{Refusal, Result};
@@ -9,16 +9,31 @@ use figure::Figure;
 use crate::charts;
 use crate::record::{OptimalRatioRow, StabilityRow, optimal_ratio_rows, stability_rows};
 
-/// Draws the records that `stability-map` or `scheme-limits` has written to `file`; the rows and the number of files.
+/// Draws the records that `stability-map` or `scheme-limits` has written to `files`, in one figure; the rows and the number
+/// of files.
 ///
 /// # Errors
 /// What [`stability_rows`] refuses, rows that make no chart, and what the system says of the files.
-pub fn redraw_stability(file: &Path, units: Units, output: &Output) -> Result<(Vec<StabilityRow>, usize)> {
-    let rows = stability_rows(file)?;
+pub fn redraw_stability(
+    files: &[PathBuf],
+    units: Units,
+    output: &Output,
+) -> Result<(Vec<StabilityRow>, usize)> {
+    let tables: Vec<Vec<StabilityRow>> =
+        files.iter().map(|file| stability_rows(file)).collect::<Result<_>>()?;
     let key = |row: &StabilityRow| (row.scene.clone(), row.mass.clone(), row.elements, row.limit);
-    let figure = stability_figure(&models(&rows, key), file, units)?;
-    let files = write(file, &rows, &figure, output)?;
+    let models: Vec<_> = tables.iter().flat_map(|rows| models(rows, key)).collect();
+    let name = stems(files)?;
+    let figure = stability_figure(&models, Path::new(&format!("{name}.csv")), output.levels(), units)?;
+    let counted: Vec<(PathBuf, usize)> = files.iter().cloned().zip(tables.iter().map(Vec::len)).collect();
+    let rows = tables.concat();
+    let files = write(&name, &counted, &rows, &figure, output)?;
     Ok((rows, files))
+}
+
+/// What the figure of several files is called: by all of them.
+fn stems(files: &[PathBuf]) -> Result<String, Refusal> {
+    Ok(files.iter().map(|file| stem(file)).collect::<Result<Vec<_>, _>>()?.join("-"))
 }
 
 /// Draws the records that `optimal-ratio` or `scheme-limits` has written to `file`; the rows and the number of files.
@@ -36,7 +51,7 @@ pub fn redraw_optimal_ratio(file: &Path, output: &Output) -> Result<(Vec<Optimal
     let allowed = "at least two stiffness penalties and a ratio";
     let figure =
         figure.ok_or_else(|| Refusal::new(file.display().to_string(), "too few rows to draw", allowed))?;
-    let files = write(file, &rows, &figure, output)?;
+    let files = write(stem(file)?, &[(file.to_owned(), rows.len())], &rows, &figure, output)?;
     Ok((rows, files))
 }
 
@@ -46,7 +61,12 @@ fn models<R: Clone, K: PartialEq>(rows: &[R], key: impl Fn(&R) -> K) -> Vec<Vec<
 }
 
 /// The chart that the run has drawn from these rows, with contour lines interpolated on their grid.
-fn stability_figure(models: &[Vec<StabilityRow>], file: &Path, units: Units) -> Result<Figure, Refusal> {
+fn stability_figure(
+    models: &[Vec<StabilityRow>],
+    file: &Path,
+    levels: Option<&[f64]>,
+    units: Units,
+) -> Result<Figure, Refusal> {
     let mut betas: Vec<f64> = models[0].iter().map(|row| row.stiffness_penalty.0).collect();
     let mut ratios: Vec<f64> = models[0].iter().map(|row| row.ratio.0).collect();
     ratios.dedup();
@@ -60,9 +80,9 @@ fn stability_figure(models: &[Vec<StabilityRow>], file: &Path, units: Units) -> 
     let mut lines = Vec::new();
     let figure = match chart {
         Chart::MassFamily => charts::mass_family(&name, models),
-        Chart::Curves => charts::curves(&name, models, charts::is_logarithmic(&betas)),
+        Chart::Curves => charts::curves(name.as_str(), models, charts::is_logarithmic(&betas)),
         Chart::Map if models.iter().all(|rows| is_grid(rows)) => {
-            lines = models.iter().map(|rows| charts::interpolated_contours(rows)).collect();
+            lines = models.iter().map(|rows| charts::interpolated_contours(rows, levels)).collect();
             charts::map(models, &lines)
         }
         Chart::Map | Chart::None => {
@@ -105,12 +125,12 @@ fn stem(file: &Path) -> Result<&str, Refusal> {
 }
 
 fn write<R: serde::Serialize + Clone>(
-    file: &Path,
+    stem: &str,
+    files: &[(PathBuf, usize)],
     rows: &[R],
     figure: &Figure,
     output: &Output,
 ) -> Result<usize> {
-    let stem = stem(file)?;
-    let output = output.clone().redrawing(file);
+    let output = output.clone().redrawing(files);
     Ok(output.write_rows(stem, rows)?.len() + output.write_figure(stem, figure)?.len())
 }

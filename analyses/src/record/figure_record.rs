@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Provenance, Table};
+use super::{Origin, Provenance, Table};
 
 /// What lies beside every figure as `<figure>.record.json`; no path and no user name.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -20,6 +20,9 @@ pub struct FigureRecord {
     /// Program, revision, platform and command.
     #[serde(flatten)]
     pub provenance: Provenance,
+    /// Of a figure that was drawn again: the runs that have computed its rows. Program and command above only drew them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub computed: Option<Vec<Origin>>,
     /// What is shown: the distinct words of the columns that say so, such as `scene` and `engine`.
     #[serde(flatten)]
     pub subject: BTreeMap<String, Vec<String>>,
@@ -83,13 +86,14 @@ impl FigureRecord {
                 }
             }
         }
-        let checks: Vec<Check> = all().flat_map(checks).collect();
+        let checks: Vec<Check> = all().flat_map(|table| checks(table, CERTIFIED)).collect();
         Self {
             figure: figure.to_owned(),
             files: Vec::new(),
             width_mm,
             version: env!("CARGO_PKG_VERSION"),
             provenance,
+            computed: None,
             subject,
             data: data.iter().map(|t| DataFile { file: t.file.clone(), rows: t.rows.len() }).collect(),
             holds: checks.iter().all(|check| check.holds == check.rows),
@@ -99,11 +103,24 @@ impl FigureRecord {
     }
 }
 
+impl FigureRecord {
+    /// The same record of a figure that was drawn again from rows of these runs: what they have certified was only read.
+    pub fn redrawn(mut self, computed: Vec<Origin>, data: &[Table]) -> Self {
+        self.checks = data.iter().flat_map(|table| checks(table, READ)).collect();
+        self.holds = self.checks.iter().all(|check| check.holds == check.rows);
+        Self { computed: Some(computed), ..self }
+    }
+}
+
+/// What is said of rows whose bounds this run has proven, and of rows whose bounds were read from a file.
+const CERTIFIED: &str = "certified";
+const READ: &str = "has bounds, not proven again";
+
 /// The columns that say whether a check of a row holds.
 const VERDICTS: [&str; 2] = ["holds", "agrees"];
 
 /// What the columns of a table state of its rows: verdicts, enclosures, certificates and endings.
-fn checks(table: &Table) -> Vec<Check> {
+fn checks(table: &Table, bounded: &str) -> Vec<Check> {
     let mut checks = Vec::new();
     for name in VERDICTS {
         // An empty cell is no verdict.
@@ -115,7 +132,7 @@ fn checks(table: &Table) -> Vec<Check> {
     }
     if table.column("engine").is_some() {
         let bounds = table.column(BOUND).unwrap_or_default();
-        checks.push(count("certified".to_owned(), bounds, |bound| !bound.is_empty()));
+        checks.push(count(bounded.to_owned(), bounds, |bound| !bound.is_empty()));
     }
     if let Some(endings) = table.column("ending") {
         checks.push(count("finished".to_owned(), endings, |ending| *ending == "finished"));
