@@ -63,7 +63,7 @@ const EXAMPLES: &str = "Examples:
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
   stability-map signorini --limit noh-bathe --beta-s 10 --ratio 1   another scheme, its cost
   stability-map signorini --damping-stiffness 1e-4 --beta-s 10 --ratio 1   with damping
-  stability-map two-blocks.toml --beta-s log:1e-3:1e9:100 --ratio log:0.1:1e3:100   the map of a mesh
+  stability-map two-blocks.toml --beta-s log:1e-3:1e9:100 --ratio log:0.1:1e3:100   a mesh
   stability-map hunek --limit predictor-corrector --beta-s 1e6 --ratio plastic
   stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv
   stability-map two-blocks.toml --beta-s 10 --ratio inf --format vtu   who governs the step, and its mode

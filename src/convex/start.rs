@@ -42,7 +42,7 @@ impl Start {
         Ok(Self { operator, vector, mesh })
     }
 
-    /// f(0) from below; the error is that of a Ritz value whose vector is right to some [`TOLERANCE`].
+    /// f(0) from below; the error is that of a Ritz value whose vector is right to some `TOLERANCE`.
     pub fn mesh(&self) -> f64 {
         self.mesh
     }

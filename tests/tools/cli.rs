@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 use tool::{Scratch, TOOL, run};
 
 const HEADER: &str = "scene,mass,gamma,elements,limit,stiffness_penalty,ratio,omega_max,critical_courant,lower,\
-                      upper,engine,critical_step,step_lower,step_upper,evidence";
+                      upper,engine,critical_step,step_lower,step_upper,evidence,penalty_stiffness,penalty_mass";
 
 /// The fields of each row of a CSV without quoted commas.
 fn rows(csv: &str) -> Vec<Vec<&str>> {

@@ -44,6 +44,46 @@ const SHARED: [&str; 10] = [
     "--version",
 ];
 
+/// The options of how figures look, the same ones in every tool, with a run of `stability-map` and a value that changes it.
+const STYLE: [(&str, &str, &str); 12] = [
+    ("--style", "s.toml", CURVES),
+    ("--title", "own", CURVES),
+    ("--no-title", "", CURVES),
+    ("--x-label", "across", CURVES),
+    ("--y-label", "up", CURVES),
+    ("--x-limits", "0:7", CURVES),
+    ("--y-limits", "0:7", CURVES),
+    ("--levels", "0.9", MAP),
+    ("--colour-map", "grey", MAP),
+    ("--tags", "", PANELS),
+    ("--text", "text", CURVES),
+    ("--overlay", "", PANELS),
+];
+const CURVES: &str = "signorini --elements 2 --mass lumped --beta-s 1,2,4 --ratio 1,2";
+const MAP: &str = "signorini --elements 2 --mass lumped --beta-s log:0.1:10:13 --ratio log:0.1:10:13";
+const PANELS: &str = "signorini symmetric --elements 2 --mass lumped --beta-s 1,2,4 --ratio 2 --overlay";
+
+fn is_style(option: &str) -> bool {
+    STYLE.iter().any(|(style, ..)| *style == option)
+}
+
+#[test]
+fn every_option_of_style_changes_the_drawing() {
+    for (option, value, sample) in STYLE {
+        let scratch = Scratch::new(&format!("style{option}"));
+        scratch.write("s.toml", "title = \"from a file\"\n");
+        let drawn = |arguments: &str| {
+            let arguments = format!("{arguments} --format svg --out out -q");
+            run("stability-map", &scratch, &arguments).succeeded();
+            let all: Vec<_> = scratch.files().into_iter().map(|file| (scratch.read(&file), file)).collect();
+            std::fs::remove_dir_all(scratch.path().join("out")).unwrap();
+            all
+        };
+        let without = sample.replace(option, "");
+        assert!(drawn(&without) != drawn(&format!("{without} {option} {value}")), "{option} does nothing");
+    }
+}
+
 fn program(tool: &str) -> &'static str {
     TOOLS.iter().find(|(name, ..)| *name == tool).unwrap_or_else(|| panic!("{tool} is not in TOOLS")).1
 }
@@ -82,7 +122,7 @@ fn every_option_of_help_has_a_use() {
         assert!(shown.len() >= 3, "{tool}: {shown:?}");
         let used: BTreeSet<&str> =
             USES.iter().filter(|(of, ..)| *of == tool).map(|(_, option, ..)| *option).collect();
-        for option in shown.iter().filter(|option| !SHARED.contains(&option.as_str())) {
+        for option in shown.iter().filter(|o| !SHARED.contains(&o.as_str()) && !is_style(o)) {
             if !used.contains(option.as_str()) {
                 wrong.push(format!(
                     "{tool} --help shows {option}, which nothing uses: add to USES in tests/options/uses.rs\n    \

@@ -14,7 +14,7 @@ use figure::{Axis, ColourMap, Figure, Layer, Lettering, Width};
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub struct StyleOptions {
     /// Style of the figures: a TOML file with title, x_label, y_label, x_limits, y_limits, levels, colour_map, tags, text and
-    /// [words], which replaces phrases, for instance by those of another language
+    /// the table words, which replaces phrases, for instance by those of another language
     #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath)]
     pub style: Option<PathBuf>,
     /// Title of the figures, one a panel where it is given again; *..* italic, _{..} and ^{..} sub- and superscript

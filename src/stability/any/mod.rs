@@ -1,30 +1,4 @@
 //! One face for models of any kind: bars by their own engines, matrices and meshes by the convex curve.
-//!
-//! ```
-//! use bipenalty::penalty::PenaltyMass;
-//! use bipenalty::stability::{AnyModel, AnyScene, Asking};
-//! let text = r#"
-//! name = "block"
-//! dimension = 2
-//! plane = "strain"
-//! [[body]]
-//! name = "block"
-//! box = [2.0, 1.0]
-//! cells = [4, 2]
-//! element = "quad4"
-//! youngs_modulus = 1.0
-//! poissons_ratio = 0.3
-//! density = 1.0
-//! [[contact]]
-//! surfaces = ["block.bottom", "wall"]
-//! "#;
-//! let model = AnyModel::new(&AnyScene::parse(text, "block.toml")?, None, PenaltyMass::Consistent)?;
-//! let pure = model.critical_step(1e4, f64::INFINITY, &Asking::default())?.step?;
-//! let optimal = model.critical_step(1e4, 1.0, &Asking::default())?.step?;
-//! // In units of the contact-free step: r = 1 costs nothing.
-//! assert!(pure.upper < 0.02 && optimal.lower > 0.999_999);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 mod asking;
 mod curve;
@@ -52,6 +26,32 @@ use crate::pencil::Penalty;
 use crate::spectrum::{Engine, Spectrum, StepLimit};
 
 /// A model of bars, or of matrices or meshes.
+///
+/// ```
+/// use bipenalty::penalty::PenaltyMass;
+/// use bipenalty::stability::{AnyModel, AnyScene, Asking};
+/// let text = r#"
+/// name = "block"
+/// dimension = 2
+/// plane = "strain"
+/// [[body]]
+/// name = "block"
+/// box = [2.0, 1.0]
+/// cells = [4, 2]
+/// element = "quad4"
+/// youngs_modulus = 1.0
+/// poissons_ratio = 0.3
+/// density = 1.0
+/// [[contact]]
+/// surfaces = ["block.bottom", "wall"]
+/// "#;
+/// let model = AnyModel::new(&AnyScene::parse(text, "block.toml")?, None, PenaltyMass::Consistent)?;
+/// let pure = model.critical_step(1e4, f64::INFINITY, &Asking::default())?.step?;
+/// let optimal = model.critical_step(1e4, 1.0, &Asking::default())?.step?;
+/// // In units of the contact-free step: r = 1 costs nothing.
+/// assert!(pure.upper < 0.02 && optimal.lower > 0.999_999);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub enum AnyModel {
     /// Bars.
