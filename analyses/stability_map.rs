@@ -66,7 +66,7 @@ const EXAMPLES: &str = "Examples:
   stability-map two-blocks.toml --beta-s log:1e-3:1e9:100 --ratio log:0.1:1e3:100   a mesh
   stability-map hunek --limit predictor-corrector --beta-s 1e6 --ratio plastic
   stability-map signorini --elements 200 --mass lumped --beta-s 10 --ratio 2 --stdout csv
-  stability-map two-blocks.toml --beta-s 10 --ratio inf --format vtu   who governs the step, and its mode
+  stability-map two-blocks.toml --beta-s 10 --ratio inf --format vtu   who governs the step
   stability-map --from figures/stability-map/fig3-1-lumped.csv --width single --format pdf,tex";
 
 /// Records to draw again, maps to compute, or a step (s) to hold against their limits.
