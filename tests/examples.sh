@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs what the documents print, as they print it, each command once: the ```sh blocks of README.md and of
-# analyses/*.md, the script of README.md, and the examples in the --help of every tool. my-bars.toml is the scene of
+# analyses/*.md, the script of README.md, and the examples in the --help of every tool, beside the scenes of analyses/scenes. my-bars.toml is the scene of
 # README.md. Words after the script's name are commands to leave out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -38,6 +38,7 @@ while read -r command; do
 done < <(blocks sh README.md analyses/*.md | sed 's/ *#.*//' | awk 'NF && !seen[$0]++' | grep -Fxv -f <(printf '%s\n' "$@"))
 
 blocks toml README.md >"$scratch/my-bars.toml"
+cp analyses/scenes/*.toml analyses/scenes/*.msh "$scratch"
 export PATH=$PWD/target/release:$PATH
 for tool in $(awk -F'"' '/^\[\[bin\]\]/ { bin = 1 } bin && /^name/ { print $2; bin = 0 }' analyses/Cargo.toml); do
     cargo build --release --quiet --bin "$tool"
