@@ -58,7 +58,7 @@ const EXAMPLES: &str = "Examples:
   stability-map                                     the charts of the paper and maps beyond it
   stability-map my-bars.toml --beta-s 10 --ratio 1  the linear limit of closed contact of my bars
   stability-map my-bars.toml --stiffness log:1e6:1e12:61 --units si   in s over N/m
-  stability-map my-bars.toml --time-step 1e-7 --beta-s 1e4   is my step within the limit?
+  stability-map my-bars.toml --time-step 1e-7 --beta-s 1e4 --ratio 1   is my step within the limit?
   stability-map signorini --beta-s log:1e-3:1e12:301 --ratio log:0.1:1e3:201 --format pdf
   stability-map signorini --limit park --theta 1    how far the Park scheme itself is stable
   stability-map signorini --limit noh-bathe --beta-s 10 --ratio 1   another scheme, its cost

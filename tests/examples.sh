@@ -37,7 +37,8 @@ while read -r command; do
     run . "$command"
 done < <(blocks sh README.md analyses/*.md | sed 's/ *#.*//' | awk 'NF && !seen[$0]++' | grep -Fxv -f <(printf '%s\n' "$@"))
 
-blocks toml README.md >"$scratch/my-bars.toml"
+# The first scene of README.md; the next one is of matrices that are not here.
+awk '/^```toml$/ { on = !n++; next } /^```/ { on = 0 } on' README.md >"$scratch/my-bars.toml"
 cp analyses/scenes/*.toml analyses/scenes/*.msh "$scratch"
 export PATH=$PWD/target/release:$PATH
 for tool in $(awk -F'"' '/^\[\[bin\]\]/ { bin = 1 } bin && /^name/ { print $2; bin = 0 }' analyses/Cargo.toml); do
