@@ -74,7 +74,7 @@ const EXAMPLES: &str = "Examples:
   verify-limits signorini --scheme central-difference --mass 1 --beta-s 1,1e4 --ratio .5,1,inf
   verify-limits signorini --elements 10 --scheme park --theta 1 --beta-s 1,1e3,1e6 --ratio 1,4
   verify-limits my-bars.toml --beta-s 10 --stdout csv
-  verify-limits my-mesh.toml --beta-s 1,1e3 --ratio 1,inf --tolerance 1e-2 --stdout csv
+  verify-limits two-blocks.toml --beta-s 1,1e3 --ratio 1,inf --tolerance 1e-2 --stdout csv
   verify-limits --contact opening                 energy gained, and the steps to recommend
   verify-limits signorini --contact opening --mass 1 --beta-s 1e4 --fraction lin:.05:.95:19";
 

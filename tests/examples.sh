@@ -50,7 +50,7 @@ for tool in $(awk -F'"' '/^\[\[bin\]\]/ { bin = 1 } bin && /^name/ { print $2; b
 done
 
 # The numbers that README.md prints are those that its commands have printed.
-while read -r line; do
+while IFS= read -r line; do
     grep -Fxq -- "$line" "$log" || { echo "README.md prints what no command printed: $line" >&2; exit 1; }
 done < <(blocks text README.md)
 if command -v python3 >/dev/null; then
