@@ -67,6 +67,23 @@ fn the_largest_penalty_and_ratio_are_where_the_step_is_the_limit() {
     }
 }
 
+/// "Any penalty" is said where a theorem says so; of the Park scheme no more than the last penalty that was held.
+#[test]
+fn any_penalty_is_said_by_a_theorem_only() {
+    let scene = AnyScene::load("signorini").unwrap().with_elements(4).unwrap();
+    let model = AnyModel::new(&scene, None, PenaltyMass::Consistent).unwrap();
+    let largest = |limit: LimitOf| {
+        let asking = Asking { limit, ..Asking::default() };
+        let free = model.contact_free(&asking).unwrap().step.unwrap();
+        let half = model.time_step(0.5 * free.lower).unwrap();
+        model.largest_penalty(half, 0.01, &asking).unwrap().unwrap()
+    };
+    assert!(largest(LimitOf::Spectrum).lower.is_infinite());
+    assert!(largest(SchemeName::PredictorCorrector.into()).lower.is_infinite());
+    let park = largest(SchemeName::Park.into());
+    assert!(park.lower > 1e6 && park.lower.is_finite() && park.value.is_infinite(), "{park:?}");
+}
+
 /// The spectrum: r* costs nothing, and a little more costs a step. The predictor-corrector: a quarter of it for large beta_s.
 #[test]
 fn the_optimal_ratio_is_where_a_step_begins_to_cost() {

@@ -15,6 +15,7 @@ use crate::convex::{Asked, Enclosed, Passing};
 use crate::error::{Error, Refusal, Result};
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::pencil::Penalty;
+use crate::schemes::SchemeName;
 use crate::spectrum::{Evidence, Step, StepLimit, Uncertified, bisect};
 use crate::stability::Model;
 
@@ -72,9 +73,14 @@ impl AnyModel {
             Self::Mesh(model) => model.largest(l, asking, |given| given.penalty(ratio.get())),
             Self::Bars(model) => {
                 let penalty = |b: f64| Some((StiffnessPenalty::new(b).ok()?, ratio));
-                // r <= x: no penalty raises l_max above l (mediant inequality).
-                let spectrum = asking.limit.scheme().is_none();
-                let any = spectrum && ratio.get() * model.reference_eigenvalue() <= l * (1.0 - MARGIN);
+                // Of the spectrum r <= x: no penalty raises l_max above l (mediant inequality). Of the predictor-corrector
+                // 1/(r omega^2) >= dt^2 = 4/l, which alone is a step that it stands.
+                let share = match asking.limit.scheme().map(|scheme| scheme.facts().name) {
+                    None => 1.0,
+                    Some(name) if name == SchemeName::PredictorCorrector.name() => 0.25,
+                    Some(_) => 0.0,
+                };
+                let any = ratio.get() * model.reference_eigenvalue() <= share * l * (1.0 - MARGIN);
                 largest_of_bars(model, l, asking, any, penalty)
             }
         }
@@ -107,7 +113,7 @@ impl AnyModel {
     }
 }
 
-/// Where the largest of bars is looked for, relative: beyond, any will do.
+/// Where the largest of bars is looked for; an end that stands the step is said to, and nothing beyond it.
 const RANGE: (f64, f64) = (1e-30, 1e30);
 
 /// By bisection on the limit, which falls with either parameter, and two proofs beside the result.
@@ -143,12 +149,12 @@ fn of_limit(free: &Step, l: f64, any: bool, step: impl Fn(f64) -> Option<Step>) 
     while high > RANGE.0 && !known(high) {
         high *= 0.1;
     }
-    // At the end of the range the contact is rigid, or the ratio infinite, to every digit of f64.
-    if any && l >= free.l.upper || within(high) {
+    // An infinite ratio can be asked for itself, an infinite penalty cannot.
+    if any && l >= free.l.upper * (1.0 + MARGIN) || within(f64::INFINITY) {
         return Some(Largest::ANY);
     }
-    if !exceeds(high) {
-        return Some(Largest { lower: 0.0, ..Largest::ANY });
+    if within(high) || !exceeds(high) {
+        return Some(Largest { lower: if within(high) { high } else { 0.0 }, ..Largest::ANY });
     }
     let (low, _) = bisect(RANGE.0.ln(), high.ln(), |x| exceeds(x.exp()));
     let value = low.exp();
