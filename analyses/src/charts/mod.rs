@@ -14,4 +14,4 @@ pub mod verification;
 pub use levels::{ContourLines, Level, interpolated_contours, levels};
 pub use maps::{costs, curves, is_logarithmic, map, mass_family, titled_by_limit};
 pub use optimal::optimal_ratio;
-pub use units::in_si;
+pub use units::{in_si, stiffness_in_si};
