@@ -7,7 +7,7 @@ use crate::error::{Refusal, Result};
 use figure::Figure;
 
 use crate::charts;
-use crate::record::{OptimalRatioRow, StabilityRow, optimal_ratio_rows, stability_rows};
+use crate::record::{CostRow, OptimalRatioRow, StabilityRow, cost_rows, optimal_ratio_rows, stability_rows};
 
 /// Draws the records that `stability-map` or `scheme-limits` has written to `files`, in one figure; the rows and the number
 /// of files.
@@ -51,6 +51,27 @@ pub fn redraw_optimal_ratio(file: &Path, output: &Output) -> Result<(Vec<Optimal
     let allowed = "at least two stiffness penalties and a ratio";
     let figure =
         figure.ok_or_else(|| Refusal::new(file.display().to_string(), "too few rows to draw", allowed))?;
+    let files = write(stem(file)?, &[(file.to_owned(), rows.len())], &rows, &figure, output)?;
+    Ok((rows, files))
+}
+
+/// Draws the records that `scheme-limits --per-force` has written to `file`; the rows and the number of files.
+///
+/// # Errors
+/// As [`redraw_stability`], with [`cost_rows`]; rows of more than one model, or of one penalty.
+pub fn redraw_costs(file: &Path, output: &Output) -> Result<(Vec<CostRow>, usize)> {
+    let rows = cost_rows(file)?;
+    let key = |row: &CostRow| (row.scene.clone(), row.mass.clone(), row.elements);
+    let mut betas: Vec<f64> = rows.iter().map(|row| row.stiffness_penalty.0).collect();
+    betas.sort_by(f64::total_cmp);
+    betas.dedup();
+    let models = models(&rows, key).len();
+    if models > 1 || betas.len() < 2 {
+        let found = format!("{models} models and {} stiffness penalties", betas.len());
+        let allowed = "one model and at least two stiffness penalties";
+        return Err(Refusal::new(file.display().to_string(), found, allowed).into());
+    }
+    let figure = charts::per_force(&rows, charts::is_logarithmic(&betas));
     let files = write(stem(file)?, &[(file.to_owned(), rows.len())], &rows, &figure, output)?;
     Ok((rows, files))
 }
