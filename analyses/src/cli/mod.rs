@@ -16,6 +16,7 @@ mod peers;
 mod plan;
 mod progress;
 mod redraw;
+mod samples;
 mod steps;
 mod style;
 mod summary;
@@ -35,7 +36,8 @@ pub use output::{Output, check_stems};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use plan::{explain, step_and_cost};
 pub use progress::Progress;
-pub use redraw::{redraw_costs, redraw_optimal_ratio, redraw_stability};
+pub use redraw::{Redrawn, redraw_costs, redraw_optimal_ratio, redraw_stability};
+pub use samples::Samples;
 pub use steps::{HeldStep, hold_step};
 pub use style::{ColourMapOption, Limits, StyleOptions, TextOption};
 pub use summary::{
