@@ -16,7 +16,7 @@ use analyses::cli::{
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{OptimalRatioRow, Subject};
-use bipenalty::stability::{AnyModel, Axis, Grid, LimitOf, governing_bar};
+use bipenalty::stability::{AnyModel, Grid, LimitOf, Sweep, governing_bar};
 use clap::{Parser, ValueHint};
 
 /// The largest penalty ratio r that costs no time step, with its enclosure, over the stiffness penalty.
@@ -27,10 +27,10 @@ struct Options {
     scene: SceneOptions,
     /// Stiffness penalties: a list 1,1e4 or lin:1:10:10 or log:1e-3:1e12:61 (start:stop:count)
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = USUAL)]
-    beta_s: Axis,
+    beta_s: Sweep,
     /// Stiffness penalties s in N/m, in the same forms, instead of beta_s: s of the contact of smallest scale, no other is softer
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true, conflicts_with = "beta_s")]
-    stiffness: Option<Axis>,
+    stiffness: Option<Sweep>,
     #[command(flatten)]
     limit: LimitOptions,
     /// Units of the axes of the charts; the records hold both
@@ -199,13 +199,13 @@ fn grid_of(options: &Options, model: &AnyModel) -> Result<Grid, Refusal> {
 }
 
 /// The ratios between which every penalty is to be a number.
-fn ratios() -> Axis {
-    Axis::list([1.0, 1e12])
+fn ratios() -> Sweep {
+    Sweep::list([1.0, 1e12])
 }
 
 /// The name of the files of one scene, with all that makes another question of it.
 fn stem(models: &[Arc<AnyModel>], options: &Options) -> Result<String, Refusal> {
-    let usual = USUAL.parse::<Axis>()?;
+    let usual = USUAL.parse::<Sweep>()?;
     let axis = (options.beta_s != usual).then(|| cli::axis_word("beta", &options.beta_s));
     let stiffness = options.stiffness.as_ref().map(|stiffness| cli::axis_word("s", stiffness));
     let words = [options.scene.mass_word(), axis, stiffness].into_iter().chain(options.scene.words());

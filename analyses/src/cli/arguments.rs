@@ -52,11 +52,14 @@ fn with_scenes(shell: Shell, script: String, name: &str) -> String {
     let scenes = BUILT_IN.map(|(name, _)| name).join(" ");
     match shell {
         Shell::Bash => {
-            let (function, old) = (format!("_{name}_or_scene"), format!("-F _{name} "));
+            // The generator chooses the name of its function.
+            let inner = script.split("complete -F ").nth(1).and_then(|rest| rest.split(' ').next());
+            let Some(inner) = inner.map(str::to_owned) else { return script };
+            let (function, old) = (format!("{inner}_or_scene"), format!("-F {inner} "));
             let script = script.replace(&old, &format!("-F {function} "));
             // An option without choices of its own leaves none: there, and after it, files are offered as usual.
             let wrapper = format!(
-                "{function}() {{\n    local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}}\n    _{name} \"$@\"\n    \
+                "{function}() {{\n    local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}}\n    {inner} \"$@\"\n    \
                  if [[ $cur != -* && $prev != -* ]]; then\n        COMPREPLY=($(compgen -W \"{scenes}\" -- \"$cur\") \
                  $(compgen -f -X '!*.toml' -- \"$cur\") $(compgen -d -S / -- \"$cur\"))\n    fi\n}}\n"
             );

@@ -12,7 +12,7 @@ use crate::error::{Error, Refusal, Result};
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
 use bipenalty::scene::{MAX_ELEMENTS, Scene};
-use bipenalty::stability::{AnyModel, AnyScene, Axis, Model};
+use bipenalty::stability::{AnyModel, AnyScene, Model, Sweep};
 use figure::Width;
 
 /// Which scenes, how finely meshed, with which mass.
@@ -168,20 +168,20 @@ pub enum Units {
 ///
 /// # Errors
 /// Refuses a scene without a contact.
-pub fn penalties_of(stiffness: &Axis, model: &AnyModel) -> Result<Axis, Refusal> {
+pub fn penalties_of(stiffness: &Sweep, model: &AnyModel) -> Result<Sweep, Refusal> {
     let Some(scale) = model.smallest_scale() else {
         let value = format!("given with scene {}", model.name());
         return Err(Refusal::new("--stiffness", value, "a scene with at least one contact"));
     };
     let values = stiffness.values.iter().map(|s| s / scale).collect();
-    Ok(Axis { values, log: stiffness.log })
+    Ok(Sweep { values, log: stiffness.log })
 }
 
 /// Penalty ratios as typed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RatioSpec {
     /// The same ratios for every beta_s.
-    Axis(Axis),
+    Sweep(Sweep),
     /// For every beta_s the ratio of zero penetration, dt^2 s' mu = 1.
     Plastic,
 }
@@ -190,7 +190,7 @@ impl FromStr for RatioSpec {
     type Err = Refusal;
 
     fn from_str(text: &str) -> Result<Self, Refusal> {
-        if text == "plastic" { Ok(Self::Plastic) } else { text.parse().map(Self::Axis) }
+        if text == "plastic" { Ok(Self::Plastic) } else { text.parse().map(Self::Sweep) }
     }
 }
 

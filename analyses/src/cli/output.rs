@@ -10,10 +10,10 @@ use serde::Serialize;
 
 use super::style::Style;
 use super::summary::short;
-use super::{Format, OutputOptions, StandardOutput};
+use super::{Format, OutputOptions, Redrawn, Samples, StandardOutput};
 use crate::error::{Error, Refusal, Result};
 use crate::record::{self, FigureRecord, Origin, Provenance, Table};
-use bipenalty::stability::Axis;
+use bipenalty::stability::Sweep;
 use figure::{Figure, Width};
 
 /// Where a run writes, checked before it computes.
@@ -32,8 +32,10 @@ pub struct Output {
     undrawn: Arc<Mutex<Option<Error>>>,
     /// The files that are drawn again, never to be overwritten.
     sources: Vec<PathBuf>,
-    /// Where the rows that are drawn again come from; `None` where they are computed.
-    computed: Option<Vec<Origin>>,
+    /// Where the rows that are drawn again come from, and what was found of them; `None` where they are computed.
+    computed: Option<(Vec<Origin>, Samples)>,
+    /// What of the rows that are drawn again does not hold.
+    doubt: Arc<Mutex<Option<String>>>,
 }
 
 impl Output {
@@ -63,14 +65,27 @@ impl Output {
             undrawn: Arc::default(),
             sources: Vec::new(),
             computed: None,
+            doubt: Arc::default(),
         })
     }
 
-    /// The same output for the figures of the records in these files, of so many rows, which are left as they are.
-    pub fn redrawing(self, files: &[(PathBuf, usize)]) -> Self {
-        let sources = files.iter().filter_map(|(file, _)| file.canonicalize().ok()).collect();
-        let computed = files.iter().map(|(file, rows)| Origin::of(file, *rows)).collect();
-        Self { sources, computed: Some(computed), ..self }
+    /// The same output for the figures of the records in these files, which are left as they are.
+    pub fn redrawing(self, files: Vec<Redrawn>) -> Self {
+        let sources = files.iter().filter_map(|redrawn| redrawn.file.canonicalize().ok()).collect();
+        let (origins, samples): (Vec<Origin>, Vec<Samples>) =
+            files.into_iter().map(|redrawn| (redrawn.origin, redrawn.samples)).unzip();
+        let samples = samples.into_iter().fold(Samples::default(), Samples::joined);
+        self.doubt.lock().unwrap_or_else(PoisonError::into_inner).clone_from(&samples.differs);
+        Self { sources, computed: Some((origins, samples)), ..self }
+    }
+
+    /// Tells on standard error of rows that were drawn again and are not what they say; whether there are none.
+    pub fn check_redrawn(&self) -> bool {
+        let doubt = self.doubt.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(differs) = &doubt {
+            eprintln!("does not hold: {differs}");
+        }
+        doubt.is_none()
     }
 
     /// The contour lines that the user asked for.
@@ -239,8 +254,9 @@ impl Output {
                 about.map(|rows| -> Result<_> { Ok(Table::of("", &record::csv(rows)?)?) }).transpose()?;
             let width = figure.width.millimetres();
             let mut record = FigureRecord::new(stem, width, self.provenance.clone(), &data, about.as_ref());
-            if let Some(computed) = &self.computed {
-                record = record.redrawn(computed.clone(), &data);
+            if let Some((origins, samples)) = &self.computed {
+                record = record.redrawn(origins.clone(), &data, samples.check());
+                record.unchecked = samples.unknown.iter().cloned().collect();
             }
             record.files =
                 written.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect();
@@ -291,7 +307,7 @@ pub fn question(given: impl IntoIterator<Item = Option<String>>) -> String {
 
 /// `name` with the values of an axis: all of them if they are few, else its ends and their number, and for a list of no
 /// regular steps a number that is hardly that of another list.
-pub fn axis_word(name: &str, axis: &Axis) -> String {
+pub fn axis_word(name: &str, axis: &Sweep) -> String {
     const LONGEST: usize = 40;
     let values = &axis.values;
     let listed = values.iter().map(|value| short(*value)).collect::<Vec<_>>().join("-");
@@ -300,11 +316,11 @@ pub fn axis_word(name: &str, axis: &Axis) -> String {
         return format!("{name}{listed}");
     }
     let (ends, count) = (format!("{}-{}", short(*first), short(*last)), values.len());
-    let is = |made: Result<Axis, Refusal>| made.is_ok_and(|made| made.values == *values);
-    if is(Axis::linear(*first, *last, count)) {
+    let is = |made: Result<Sweep, Refusal>| made.is_ok_and(|made| made.values == *values);
+    if is(Sweep::linear(*first, *last, count)) {
         return format!("{name}lin-{ends}-{count}");
     }
-    if is(Axis::log(*first, *last, count)) {
+    if is(Sweep::log(*first, *last, count)) {
         return format!("{name}log-{ends}-{count}");
     }
     // FNV-1a of the bits.

@@ -6,7 +6,7 @@ use super::{GIVEN, Number, Subject};
 use crate::error::Refusal;
 use bipenalty::schemes::Scheme;
 use bipenalty::stability::AnyModel;
-use bipenalty::verify::{Confirmation, Point};
+use bipenalty::verify::{Confirmation, PenaltyPoint};
 
 /// A predicted limit beside the one that stepping found; Courant numbers are c0 dt/h of the reference element of bars, and
 /// omega_ref dt/2 of matrices and meshes.
@@ -68,7 +68,7 @@ impl VerifyRow {
     pub fn new(
         model: &AnyModel,
         scheme: &dyn Scheme,
-        point: Point,
+        point: PenaltyPoint,
         confirmation: &Confirmation,
     ) -> Result<Self, Refusal> {
         let subject = Subject::of(model)?;
