@@ -71,7 +71,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A scene that is neither built in nor a file.
-    #[error("{argument}: not found; allowed: {allowed}")]
+    #[error("SCENE {argument:?}: not found; allowed: {allowed}")]
     NotFound {
         /// What the user named.
         argument: String,

@@ -261,3 +261,58 @@ fn the_limit_of_a_scheme_is_not_the_limit_of_the_spectrum() {
     near(courant("--limit park --beta-s 1e4 --ratio 1"), 0.7072, 0.5e-4 / 0.7072);
     assert!(courant("--limit park --theta 0 --beta-s 1e4 --ratio 1") > 0.75);
 }
+
+#[test]
+fn a_scene_without_a_name_has_that_of_its_file() {
+    let scratch = Scratch::new("nameless");
+    scratch.three_bars();
+    let text = String::from_utf8(scratch.read("three.toml")).unwrap();
+    let nameless: String =
+        text.lines().filter(|line| !line.starts_with("name")).map(|l| format!("{l}\n")).collect();
+    assert_ne!(text, nameless);
+    scratch.write("my three_bars.toml", nameless);
+    let program = Command::new(TOOL)
+        .current_dir(scratch.path())
+        .args(["my three_bars.toml", "--mass", "lumped", "--beta-s", "1", "--ratio", "1", "--stdout", "csv"])
+        .output()
+        .unwrap();
+    let records = String::from_utf8(program.stdout).unwrap();
+    assert!(records.lines().nth(1).unwrap().starts_with("my-three_bars,lumped,"), "{records}");
+}
+
+#[test]
+fn another_limit_or_mesh_has_files_of_its_own() {
+    let scratch = Scratch::new("stems");
+    let point = "signorini --mass lumped --beta-s 1 --ratio 1 --out there --format csv --quiet";
+    for more in
+        ["", "--limit park", "--limit park --theta 1", "--elements 3", "--limit noh-bathe --parameter 0.6"]
+    {
+        run(&scratch, &format!("{point} {more}")).succeeded();
+    }
+    let stems = ["-n3", "-noh-bathe-parameter0.6", "-park-theta1", "-park", ""];
+    assert_eq!(scratch.files(), stems.map(|stem| format!("there/signorini-lumped{stem}.csv")));
+}
+
+#[cfg(unix)]
+#[test]
+fn bash_completes_scenes_and_their_files() {
+    let scratch = Scratch::new("completions");
+    scratch.three_bars();
+    scratch.write("notes.txt", "");
+    scratch.write("c.bash", run(&scratch, "--completions bash").succeeded());
+    let offered = |line: &[&str]| {
+        let words = line.join(" ");
+        let script = format!(
+            "source ./c.bash; COMP_WORDS=({words} ''); COMP_CWORD={}; f=$(complete -p stability-map); f=${{f##*-F }}; \
+             ${{f%% *}} stability-map '' {}; echo \"${{COMPREPLY[*]}}\"",
+            line.len(),
+            line[line.len() - 1]
+        );
+        let bash = Command::new("bash").current_dir(scratch.path()).args(["-c", &script]).output();
+        String::from_utf8(bash.unwrap().stdout).unwrap()
+    };
+    assert_eq!(offered(&["stability-map"]).trim(), "signorini symmetric hunek bouncing-bar three.toml");
+    assert!(offered(&["stability-map", "signorini"]).contains("hunek"));
+    let limits = offered(&["stability-map", "--limit"]);
+    assert!(limits.contains("park") && !limits.contains("hunek"), "{limits}");
+}

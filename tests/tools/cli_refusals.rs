@@ -6,7 +6,7 @@
 #[path = "common/tool.rs"]
 mod tool;
 
-use tool::{Scratch, run_words, scene};
+use tool::{Scratch, run, run_words, scene};
 
 /// Refused, with every one of `words` in the message.
 fn refused(scratch: &Scratch, arguments: &[&str], words: &[&str]) {
@@ -202,4 +202,19 @@ fn a_wrong_scene_is_refused() {
         &["bad.toml", "--beta-s", "10", "--ratio", "2"],
         &["penalty mass", "beta_s = 1e1", "within"],
     );
+}
+
+#[test]
+fn what_was_meant_is_said() {
+    let scratch = Scratch::new("meant");
+    scratch.write("my_bars.toml", scene("my_bars", "", &["area = 1.0"]));
+    refused(&scratch, &["signorni"], &["signorni", "not found", "did you mean signorini?"]);
+    refused(&scratch, &["my_bar.toml"], &["not found", "did you mean my_bars.toml?"]);
+    refused(&scratch, &["signorini", "--mass", "lumpd"], &["lumpd", "did you mean lumped?"]);
+    refused(&scratch, &["signorini", "--engine", "strum"], &["strum", "did you mean sturm?"]);
+    scratch.write("key.toml", scene("key", "", &["lenght = 1.0"]));
+    refused(&scratch, &["key.toml"], &["key.toml, line", "`lenght`", "did you mean `length`?"]);
+    // Nothing is near to this.
+    let far = run(&scratch, "zzzzzz");
+    assert!(far.status == 2 && !far.stderr.contains("did you mean"), "{}", far.stderr);
 }

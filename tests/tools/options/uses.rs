@@ -64,7 +64,7 @@ pub const USES: &[(&str, &str, &str, Seen)] = &[
         "signorini --mass lumped --limit predictor-corrector --beta-s 1e3 --ratio plastic --relative-courant 0.25",
         Holds(|scratch| {
             // dt^2 s' mu = 1 at this step: eight roundings on the way to the limit that is printed.
-            let records = text(scratch, "there/signorini-lumped.csv");
+            let records = text(scratch, "there/signorini-lumped-predictor-corrector.csv");
             let courant: f64 = column(&records, "critical_courant")[0].parse().unwrap();
             assert!((courant / 0.25 - 1.0).abs() < 8.0 * f64::EPSILON, "{courant}");
         }),
@@ -192,6 +192,30 @@ pub const USES: &[(&str, &str, &str, Seen)] = &[
     ),
     ("stability-map", "--from", "--from missing.csv", Refused("missing.csv")),
     ("optimal-ratio", "--from", "--from missing.csv", Refused("missing.csv")),
+    (
+        "optimal-ratio",
+        "--stiffness",
+        "signorini --mass lumped --stiffness 1e4,2e4",
+        Column("penalty_stiffness", &["10000.0", "20000.0"]),
+    ),
+    (
+        "optimal-ratio",
+        "--units",
+        "signorini --elements 2 --mass lumped --stiffness 1e2,1e4 --units si --format svg",
+        Holds(|scratch| assert!(text(scratch, "there/signorini-lumped-s100-1e4-n2.svg").contains("(N/m)"))),
+    ),
+    (
+        "scheme-limits",
+        "--units",
+        "signorini --elements 2 --mass lumped --units si --format svg",
+        Holds(|scratch| assert!(text(scratch, "there/fig3-signorini-lumped-n2.svg").contains("(N/m)"))),
+    ),
+    (
+        "verify-limits",
+        "--stiffness",
+        "signorini --elements 2 --mass lumped --scheme park --stiffness 1e4 --ratio 1",
+        All("penalty_stiffness", "10000.0"),
+    ),
     ("optimal-ratio", "--engine", "signorini --mass lumped --beta-s 1 --engine dense", All("holds", "true")),
     ("scheme-limits", "--elements", "hunek --elements 1 --mass lumped", All("elements", "3")),
     ("scheme-limits", "--mass", "signorini --elements 2 --mass 0.3", All("gamma", "0.3")),
