@@ -12,6 +12,8 @@ use bipenalty::scene::{Bar, End, Impact, Scene, built_in};
 use bipenalty::schemes::{CentralDifference, ContactRule, Park, Scheme, SchemeName, System};
 use bipenalty::stability::Model;
 
+#[path = "stepping/coupled.rs"]
+mod coupled;
 #[path = "stepping/digits.rs"]
 mod digits;
 #[path = "stepping/energy.rs"]

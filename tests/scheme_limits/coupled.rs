@@ -8,13 +8,12 @@ use bipenalty::scene::{Bar, End, Scene};
 use bipenalty::schemes::SchemeName;
 use bipenalty::spectrum::Evidence;
 use bipenalty::stability::Model;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Mat, Par, Side};
+use faer::Mat;
 use rayon::prelude::*;
 
 use super::common::numbers::Numbers;
-use super::judge::Judge;
-use super::{Dense, add_contacts, free_of, full, growth_of, limit_of, outside, penalties, with_limit};
+use super::judge::{Judge, SEEN};
+use super::{Dense, free_of, growth_of, limit_of, outside, penalties, with_limit};
 
 fn row(parts: &[(f64, f64, f64, usize)], ends: (End, End)) -> Scene {
     let bar = |&(youngs_modulus, density, area, elements): &(f64, f64, f64, usize)| Bar {
@@ -126,9 +125,6 @@ fn check(point: u64) -> [usize; 2] {
     [usize::from(grows_above(1e-3)), usize::from(close)]
 }
 
-/// Growth a step that [`Judge`] sees.
-const SEEN: f64 = 1.2e-12;
-
 /// The same scenes by the predictor-corrector, whose bound must not be passed, and by the spectrum, whose limit must not be
 /// missed: central differences are stable below it and grow 0.1 % above it.
 #[test]
@@ -147,17 +143,20 @@ fn look(point: u64) -> [usize; 4] {
     let dense = Dense::new(&pencil, &penalty);
     let place = || format!("point {point}, beta_s = {beta_s:e}, r = {ratio}, {model:?}");
     let spectrum = limit_of(&model, &pencil, SchemeName::CentralDifference, 0.0);
-    let dt = spectrum.enclose(&penalty, None).unwrap().seconds();
-    let modes = central_modes(&pencil, &penalty);
-    for (c, grows) in [(numbers.next(), false), (1.0 - 1e-4, false), (1.001, true)] {
-        // z^2 - (2 - dt^2 l) z + 1 = 0: on the circle exactly while dt^2 l <= 4.
-        assert_eq!((c * dt).powi(2) * modes > 4.0, grows, "central differences at {c} of {dt}: {}", place());
+    let judge = Judge::new(&pencil, &penalty);
+    let step = spectrum.enclose(&penalty, None).unwrap();
+    for c in [numbers.next(), numbers.next(), 0.97, 1.0 - 1e-9, 1.0] {
+        let dt = c * step.lower();
+        assert!(!judge.central_difference_grows(dt), "central differences at {c} of {step:?}: {}", place());
+    }
+    for c in [1.0 + 1e-9, 1.001, 1.5] {
+        let dt = c * step.upper();
+        assert!(judge.central_difference_grows(dt), "central differences at {c} of {step:?}: {}", place());
     }
     let limit = limit_of(&model, &pencil, SchemeName::PredictorCorrector, 0.0);
     let step = limit.enclose(&penalty, None).unwrap();
     let far = 2.0 / free_of(&*limit).value.sqrt();
     let dt = step.lower();
-    let judge = Judge::new(&pencil, &penalty);
     for c in [numbers.next(), numbers.next(), 0.97, 1.0 - 1e-6, 1.0] {
         assert!(!judge.predictor_corrector_grows(c * dt), "grows at {c} of {dt}, dt_c = {far}: {}", place());
     }
@@ -181,22 +180,6 @@ fn look(point: u64) -> [usize; 4] {
     let short = dt < 0.999 * far;
     let grown = outside(&scaled_pair(&dense.predictor_corrector(1.5 * dt), &pencil, dt)).0 > 0;
     [usize::from(bound), usize::from(bound && short), usize::from(bound && short && grown), seen]
-}
-
-/// l_max(K + K_p, M + M_p) by the dense eigenvalues of a symmetric matrix.
-fn central_modes(pencil: &Pencil, penalty: &Penalty) -> f64 {
-    let (mut k, mut m) = (full(pencil.stiffness()), full(pencil.mass()));
-    add_contacts(pencil, penalty, &mut k, &mut m);
-    let n = k.nrows();
-    let unit: Vec<f64> = (0..n).map(|i| m[(i, i)].sqrt()).collect();
-    let by_unit = |a: &Mat<f64>| Mat::from_fn(n, n, |i, j| a[(i, j)] / unit[i] / unit[j]);
-    let factor = by_unit(&m).llt(Side::Lower).unwrap();
-    let mut reduced = by_unit(&k);
-    for _ in 0..2 {
-        solve_lower_triangular_in_place(factor.L(), reduced.as_mut(), Par::Seq);
-        reduced = reduced.transpose().to_owned();
-    }
-    reduced.self_adjoint_eigenvalues(Side::Lower).unwrap()[n - 1]
 }
 
 /// The matrix for the states (u, dt v), each node by the root of its mass.
