@@ -97,7 +97,8 @@ pub struct Facts {
     pub search: ContactSearch,
     /// How growth begins above the limit.
     pub onset: Onset,
-    /// Whether one contact that opens and closes is proven to add no energy below the limit; see `verify::opening`.
+    /// Whether contacts that open and close are proven to add no energy below the limit, or what bounds it from below, in
+    /// exact arithmetic and from an open start; see `verify::opening`.
     pub gains_nothing: bool,
     /// lambda, the reaction that enters the momentum balance.
     pub reaction: &'static str,

@@ -21,13 +21,15 @@
 //! the next switch may give it back. A gain counts if it exceeds the mean energy of one element, E_in/elements: then the
 //! errors of several switches have added up.
 //!
-//! # The predictor-corrector does not gain (one contact, dt^2 s' mu <= 1; proven in exact arithmetic)
-//! The corrected gap is g = (1 - dt^2 s' mu) g_pred, of the sign of g_pred. So the reaction is lambda = k max(g, 0) with
-//! k = s'/(1 - dt^2 s' mu) >= 0 of the *new* gap: the slope at g of the convex f(g) = k max(g, 0)^2/2. Its balance
-//! has the work lambda_n (g_n - g_{n-2})/2 >= (f(g_n) - f(g_{n-2}))/2, whose sum telescopes: from an open start
-//! W_n >= (f(g_n) + f(g_{n-1}))/2 >= 0, for any mass matrix and load and any sequence of switches. At dt^2 s' mu = 1, f is the barrier g <= 0. So with one contact
-//! and C <= 1 the limit of the closed contact is the limit of the scheme. In f64 it holds to rounding (measured on every run that is made, at the
-//! tolerance of its row); for several contacts it is neither proven nor refuted here, and measured on the scenes that are run.
+//! # The predictor-corrector does not gain (any contacts, below the bound of the step; proven in exact arithmetic)
+//! One contact, dt^2 s' mu <= 1: the corrected gap is g = (1 - dt^2 s' mu) g_pred, of the sign of g_pred. So the reaction is
+//! lambda = k max(g, 0) with k = s'/(1 - dt^2 s' mu) >= 0 of the *new* gap: the slope at g of the convex f(g) =
+//! k max(g, 0)^2/2. Its balance has the work lambda_n (g_n - g_{n-2})/2 >= (f(g_n) - f(g_{n-2}))/2, whose sum telescopes: from
+//! an open start W_n >= (f(g_n) + f(g_{n-1}))/2 >= 0, for any mass matrix and load and any sequence of switches. At
+//! dt^2 s' mu = 1, f is the barrier g <= 0. Several contacts, dt^2 < a + 1/l_max(S G): the same with a convex f of all gaps,
+//! as reactions that act on each other are found together (beside the step in `schemes/predictor_corrector/motion.rs`). So
+//! with C <= 1 what limits closed contact limits the scheme. In f64 it holds to rounding (measured on every run that is made,
+//! at the tolerance of its row).
 //!
 //! # Why central differences do gain
 //! The mass m joins the bar with the velocity it is hit with, energy m (Z'v)^2/2 that nobody has paid for, and leaves with
@@ -197,20 +199,23 @@ pub fn least_gain(model: &Model) -> f64 {
     1.0 / model.scene().elements() as f64
 }
 
-/// Whether the premises hold under which the predictor-corrector is proven, in exact arithmetic, to gain nothing below its
-/// limit ([module](self)): a scheme with [`Facts::gains_nothing`](crate::schemes::Facts::gains_nothing), one contact, and that
-/// open at the start and one step before it. A step at or below the limit is the caller's to keep; false proves nothing.
+/// Whether the premises hold under which a scheme with [`Facts::gains_nothing`](crate::schemes::Facts::gains_nothing) is proven,
+/// in exact arithmetic, to gain nothing below its limit, or what bounds it from below ([module](self)): every contact is open
+/// at the start and one step before it. A step below is the caller's to keep; false proves nothing.
 pub fn is_proven(model: &Model, scheme: &dyn Scheme) -> bool {
     let scene = model.scene();
-    let [site] = scene.contact_sites()[..] else { return false };
-    let distance = scene.impact().and_then(|impact| impact.gaps.first()).copied().unwrap_or(0.0);
     let velocity = |bar: usize| scene.bars()[bar].velocity;
-    let approach = match site {
-        ContactSite::LeftWall => -velocity(0),
-        ContactSite::Between(left) => velocity(left) - velocity(left + 1),
-        ContactSite::RightWall => velocity(scene.bars().len() - 1),
+    let opens_backwards = |(j, site): (usize, &ContactSite)| {
+        let distance = scene.impact().and_then(|impact| impact.gaps.get(j)).copied().unwrap_or(0.0);
+        let approach = match *site {
+            ContactSite::LeftWall => -velocity(0),
+            ContactSite::Between(left) => velocity(left) - velocity(left + 1),
+            ContactSite::RightWall => velocity(scene.bars().len() - 1),
+        };
+        distance >= 0.0 && approach >= 0.0
     };
-    scheme.facts().gains_nothing && distance >= 0.0 && approach >= 0.0
+    let sites = scene.contact_sites();
+    scheme.facts().gains_nothing && !sites.is_empty() && sites.iter().enumerate().all(opens_backwards)
 }
 
 /// The linear limits of one scheme, dt over the contact-free critical step.
