@@ -6,7 +6,7 @@ use bipenalty::pencil::Penalty;
 use bipenalty::scene::{Bar, End, Scene};
 use bipenalty::schemes::{CentralDifference, ContactRule, Scheme, SchemeName, System};
 use bipenalty::stability::Model;
-use bipenalty::verify::{Point, Predictor, confirm};
+use bipenalty::verify::{PenaltyPoint, Predictor, confirm};
 use rayon::prelude::*;
 
 use super::common::numbers::Numbers;
@@ -58,7 +58,7 @@ fn stepping_finds_the_limits_of_stiff_coupled_contacts() {
     assert!(count(Some(true)) > 2 * count(None));
 }
 
-fn stiff(numbers: &mut Numbers) -> (Model, f64, Point) {
+fn stiff(numbers: &mut Numbers) -> (Model, f64, PenaltyPoint) {
     let bars = (0..2 + (3.0 * numbers.next()) as usize).map(|_| {
         let mut any = || 10f64.powf(numbers.between(-1.5, 1.5));
         let (bar, elements) = (element(any(), any(), any()), 1 + usize::from(any() > 1.0));
@@ -68,14 +68,14 @@ fn stiff(numbers: &mut Numbers) -> (Model, f64, Point) {
     let ends = [End::Free, End::Wall];
     let scene = Scene::new("row", numbers.one_of(&ends), bars, numbers.one_of(&ends), None).unwrap();
     let mass = MassMatrix::new(numbers.one_of(&[0.0, 0.5, 1.0])).unwrap();
-    let at = Point {
+    let at = PenaltyPoint {
         stiffness_penalty: StiffnessPenalty::new(10f64.powf(numbers.between(2.0, 12.0))).unwrap(),
         ratio: Ratio::new(numbers.one_of(&[0.1, 0.25, 0.5, 0.9, 1.0, 4.0, f64::INFINITY])).unwrap(),
     };
     (Model::new(scene, mass, PenaltyMass::Consistent), numbers.one_of(&[0.0, 0.5, 1.0]), at)
 }
 
-fn judge((model, theta, at): &(Model, f64, Point)) -> Vec<Option<bool>> {
+fn judge((model, theta, at): &(Model, f64, PenaltyPoint)) -> Vec<Option<bool>> {
     let pencil = model.pencil();
     let tolerances = [1e-2, 1e-4, 1e-6].map(|tolerance| (SchemeName::CentralDifference, tolerance));
     let others = [SchemeName::PredictorCorrector, SchemeName::Park].map(|scheme| (scheme, 1e-2));
