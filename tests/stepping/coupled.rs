@@ -51,7 +51,7 @@ fn central_differences_of_coupled_contacts_keep_their_energy() {
 fn stepping_finds_the_limits_of_stiff_coupled_contacts() {
     let mut numbers = Numbers(31);
     let points: Vec<_> = (0..48).map(|_| stiff(&mut numbers)).collect();
-    let verdicts: Vec<_> = points.par_iter().flat_map_iter(|point| judge(point)).collect();
+    let verdicts: Vec<_> = points.par_iter().flat_map_iter(judge).collect();
     let count = |verdict| verdicts.iter().filter(|found| **found == verdict).count();
     println!("{} agree, {} are not judged", count(Some(true)), count(None));
     assert_eq!(count(Some(false)), 0);
