@@ -41,7 +41,7 @@ fn summary(run: &Run) -> Summary {
 }
 
 fn unit_bar(elements: usize, velocity: f64) -> Bar {
-    Bar { length: elements as f64, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity }
+    Bar { velocity, ..Bar::unit(elements) }
 }
 
 #[test]

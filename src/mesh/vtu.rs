@@ -62,7 +62,7 @@ impl Elements {
         let kinds = self
             .bodies
             .iter()
-            .flat_map(|body| (0..body.mesh.elements()).map(|e| body.mesh.kind(e).element().vtk_cell()));
+            .flat_map(|body| (0..body.mesh.elements()).map(|e| body.mesh.kind(e).element().vtk_cell));
         array(out, "UInt8\" Name=\"types", kinds)?;
         writeln!(out, "</Cells>")
     }

@@ -93,9 +93,7 @@ impl Body {
     /// What the leapfrog energy of n - 1/2 has beyond kinetic and strain energy at n, J: -dt^2/8 a'M a, and half the work of
     /// the present reactions over the step before.
     pub(super) fn leapfrog_shadow(&self, state: &State, kick: &[f64]) -> f64 {
-        let halves =
-            state.force.iter().zip(&state.last_gap_change).map(|(force, change)| 0.5 * force * change);
-        halves.sum::<f64>() - 0.125 * self.pencil.mass().quadratic(kick, kick)
+        state.half_work() - 0.125 * self.pencil.mass().quadratic(kick, kick)
     }
 
     /// f'x.

@@ -19,15 +19,15 @@ pub fn explain(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<St
         (AnyModel::Bars(model), Some(scheme)) => explain_scheme(model, scheme),
     };
     Ok(match limit.asking()?.limit {
-        LimitOf::Explicit(scheme) => format!("{text}\n    {}", step_and_cost(&*scheme)),
+        LimitOf::Explicit(scheme) => format!("{text}\n    {}", step_and_cost(&scheme)),
         LimitOf::Damped(_) => format!("{text}\n    damped: some ten such problems for each point"),
         LimitOf::Spectrum | LimitOf::Scheme(_) => text,
     })
 }
 
 /// How much larger a step a scheme stands than central differences, and what it pays for it.
-pub fn step_and_cost(scheme: &dyn ExplicitScheme) -> String {
-    let ExplicitFacts { title, parameter, evaluations, formula, source, .. } = scheme.facts();
+pub fn step_and_cost(scheme: &ExplicitScheme) -> String {
+    let ExplicitFacts { title, parameter, evaluations, formula, source, .. } = *scheme.facts();
     let longer = 0.5 * scheme.largest();
     let forces = if evaluations == 1 { "force" } else { "forces" };
     format!(
@@ -60,9 +60,10 @@ fn explain_scheme(model: &Model, scheme: SchemeName) -> String {
         SchemeName::Park => {
             "multiplier -1 of the amplification matrix, about 10 pairs of eliminations of the pencil"
         }
-        _ => {
+        SchemeName::PredictorCorrector => {
             "dt^2 s' mu = 1 in closed form, of unlike contacts a lower bound; below the contact-free l_max signs of the secular equation"
         }
+        other => other.facts().closed_limit,
     };
     format!("{} ({} elements, {} mass): {method}", scene.name(), scene.elements(), model.mass().name())
 }

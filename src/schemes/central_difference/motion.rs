@@ -100,9 +100,7 @@ impl Steps {
         }
         self.gap_kick.copy_from_slice(&self.free_kick);
         contacts.relax(&state.closed, p, &mut self.gap_kick);
-        let halves =
-            state.force.iter().zip(&state.last_gap_change).map(|(force, change)| 0.5 * force * change);
-        state.contact_work += halves.sum::<f64>();
+        state.contact_work += state.half_work();
         state.balance_work = state.contact_work;
     }
 

@@ -19,7 +19,7 @@ pub enum LimitOf {
     /// Central differences damped by C, the velocity half a step behind.
     Damped(Damping),
     /// Another explicit scheme, the contact in its internal force: the step of the spectrum times a number.
-    Explicit(Arc<dyn ExplicitScheme>),
+    Explicit(ExplicitScheme),
 }
 
 impl LimitOf {

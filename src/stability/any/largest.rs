@@ -64,7 +64,7 @@ impl AnyModel {
                 return self.largest_damped_penalty(*damping, time_step, ratio, asking);
             }
             LimitOf::Explicit(scheme) => {
-                return self.largest_penalty(shortened(time_step, &**scheme), ratio, &asking.of_spectrum());
+                return self.largest_penalty(shortened(time_step, scheme), ratio, &asking.of_spectrum());
             }
             LimitOf::Spectrum | LimitOf::Scheme(_) => (),
         }
@@ -98,7 +98,7 @@ impl AnyModel {
                 return self.largest_damped_ratio(*damping, time_step, beta_s, asking);
             }
             LimitOf::Explicit(scheme) => {
-                return self.largest_ratio(shortened(time_step, &**scheme), beta_s, &asking.of_spectrum());
+                return self.largest_ratio(shortened(time_step, scheme), beta_s, &asking.of_spectrum());
             }
             LimitOf::Spectrum | LimitOf::Scheme(_) => (),
         }

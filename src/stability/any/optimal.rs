@@ -49,7 +49,7 @@ impl AnyModel {
                 spectrum = asking.of_spectrum();
                 &spectrum
             }
-            _ => asking,
+            LimitOf::Spectrum | LimitOf::Scheme(_) | LimitOf::Damped(_) => asking,
         };
         // A closed contact changes what damping takes: the mediant inequality proves nothing there.
         if matches!(asking.limit, LimitOf::Damped(_)) {
