@@ -6,6 +6,7 @@ mod governing;
 mod largest;
 mod mesh;
 mod optimal;
+mod park;
 mod prover;
 mod scene;
 mod stepping;
