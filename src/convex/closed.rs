@@ -39,6 +39,15 @@ pub struct Share {
     pub unstable: f64,
 }
 
+/// What is given where the other of s and R is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Given {
+    /// R, rad^2/s^2.
+    Rate(f64),
+    /// 1/s.
+    Softness(f64),
+}
+
 /// W at one alpha.
 #[derive(Debug)]
 struct Node {
@@ -81,7 +90,9 @@ impl Flexibilities {
         let own = Shifted { mass: Dd::from(1.0), stiffness: 0.0, least: 1.0 };
         let k = pencil.contacts().len();
         let response = responder.respond(own, CLOSEST / k.max(1) as f64);
-        let compliance = form(&response.entries, |i| 2.0 * (response.error + f64::EPSILON) * k as f64 * response.entries[i * k + i].hi);
+        let compliance = form(&response.entries, |i| {
+            2.0 * (response.error + f64::EPSILON) * k as f64 * response.entries[i * k + i].hi
+        });
         let scales = pencil.contacts().iter().map(|contact| contact.scale).collect();
         let nodes = vec![Node { alpha: 0.0, flexibility: Form::zeros(k) }];
         Self { responder, poles, top, scales, compliance, nodes }
@@ -126,32 +137,41 @@ impl Flexibilities {
         best
     }
 
-    /// The largest s that `alpha` is stable with, at a rate: proven from below, and from above; infinite where any is.
-    pub fn largest(&mut self, alpha: f64, rate: (f64, f64), tolerance: f64) -> (f64, f64) {
-        if self.nodes.iter().all(|node| node.alpha.to_bits() != alpha.to_bits()) {
-            self.compute(alpha, tolerance);
-        }
-        let at = self.nodes.partition_point(|node| node.alpha < alpha);
-        let flexibility = self.nodes[at].flexibility.combined(1.0, &Form::zeros(self.scales.len()), 0.0);
-        let missing = |softness: f64| self.contacts(softness, rate.1).combined(1.0, &flexibility, -1.0);
+    /// The smallest 1/s, or 1/R, that `alpha` is stable with: proven from above, and from below.
+    pub fn least(&mut self, alpha: f64, given: Given, tolerance: f64) -> (f64, f64) {
+        let at = self.at(alpha, tolerance);
+        let (rest, own) = match given {
+            Given::Rate(rate) => (self.contacts(0.0, rate), self.contacts(1.0, f64::INFINITY)),
+            Given::Softness(softness) => (self.contacts(softness, f64::INFINITY), self.compliance.clone()),
+        };
+        let flexibility = &self.nodes[at].flexibility;
+        let missing = |x: f64| rest.combined(1.0, &own, x).combined(1.0, flexibility, -1.0);
         if missing(0.0).definite().is_some() {
-            return (f64::INFINITY, f64::INFINITY);
+            return (0.0, 0.0);
         }
-        // s w_j W_jj <= k at least, of which the trace is no more than k times.
-        let size = |i: usize| self.scales[i] * self.nodes[at].flexibility.diagonal(i);
-        let most: f64 = (0..self.scales.len()).map(size).sum();
-        let (mut low, mut high) = (0.0, 2.0 * most);
+        // Of one contact, W_jj over its own; all together take no more than k times the largest.
+        let size = |i: usize| flexibility.diagonal(i) / own.diagonal(i);
+        let most = (0..own.size()).map(size).fold(0.0, f64::max);
+        let (mut low, mut high) = (0.0, 2.0 * most * own.size() as f64);
         while high - low > 0.25 * tolerance * high && high > most * f64::EPSILON {
             let middle = 0.5 * (low + high);
             if missing(middle).definite().is_some() { high = middle } else { low = middle }
         }
-        let Some(definite) = missing(high).definite() else { return (0.0, f64::INFINITY) };
-        let y = definite.least(&self.start());
-        // y'(W - G/R) y/(y'Y^-1 y) <= the smallest 1/s.
-        let (own, error) = self.contacts(0.0, rate.0).combined(1.0, &flexibility, -1.0).along(&y);
-        let unit: f64 = y.iter().zip(&self.scales).map(|(y, w)| y * y / w).sum();
-        let least = (-own - error) / unit * (1.0 - 64.0 * f64::EPSILON);
-        (1.0 / high, if least > 0.0 { 1.0 / least } else { f64::INFINITY })
+        let Some(definite) = missing(high).definite() else { return (f64::INFINITY, 0.0) };
+        let y = definite.least(&self.start(), &own);
+        // y'(W - rest) y/y'own y is no more than the smallest.
+        let (lost, error) = rest.combined(1.0, flexibility, -1.0).along(&y);
+        let (unit, more) = own.along(&y);
+        let below = (-lost - error) / (unit + more) * (1.0 - 8.0 * f64::EPSILON);
+        (high, below.max(0.0))
+    }
+
+    /// The node of an alpha, computed if there is none.
+    fn at(&mut self, alpha: f64, tolerance: f64) -> usize {
+        if self.nodes.iter().all(|node| node.alpha.to_bits() != alpha.to_bits()) {
+            self.compute(alpha, tolerance);
+        }
+        self.nodes.partition_point(|node| node.alpha < alpha)
     }
 
     /// 1/s Y^-1 + 1/R G.
@@ -185,7 +205,7 @@ impl Flexibilities {
             if at(middle).is_some() { low = middle } else { high = middle }
         }
         let start = self.start();
-        let y = at(low).map_or_else(|| start.clone(), |definite| definite.least(&start));
+        let y = at(low).map_or_else(|| start.clone(), |definite| definite.least(&start, contacts));
         // The place itself rounds.
         (place(low) * (1.0 - 4.0 * f64::EPSILON), y)
     }
@@ -231,7 +251,7 @@ impl Flexibilities {
         // For small steps the two parts cancel: W has this share of the first.
         let distance = (above - Dd::from(1.0)).hi;
         let ratio = below.map_or(0.0, |below| (loss * above / (gain * below)).hi);
-        let goal = (0.01 * tolerance * (1.0 - ratio) / k as f64).clamp(SMALLEST, CLOSEST);
+        let goal = (0.01 * tolerance * (1.0 - ratio) / k as f64).max(SMALLEST);
         let shifted = Shifted { mass: top * above, stiffness: -1.0, least: self.top * distance * BELOW };
         let gained = self.responder.respond(shifted, goal);
         let mut entries: Vec<Dd> = gained.entries.iter().map(|w| gain * *w).collect();
@@ -248,8 +268,7 @@ impl Flexibilities {
         // What e, the poles and the parts round to is covered by doubling; the entries of W round to f64.
         let unit = f64::EPSILON * (k + 4) as f64;
         let cancelled = 1.0 + 256.0 * Dd::ROUNDOFF / f64::EPSILON / ((1.0 - ratio) * distance.min(1.0));
-        let flexibility =
-            form(&entries, |i| 2.0 * error[i] + unit * cancelled * entries[i * k + i].hi.abs());
+        let flexibility = form(&entries, |i| 2.0 * error[i] + unit * cancelled * entries[i * k + i].hi.abs());
         let at = self.nodes.partition_point(|node| node.alpha < alpha);
         self.nodes.insert(at, Node { alpha, flexibility });
     }

@@ -84,7 +84,8 @@ impl Prover {
     fn proves_mass(&self, share: f64) -> bool {
         match self {
             Self::Whole(factorisation) => {
-                let verdict = factorisation.prove_beyond(1.0, (0.0, 0.0), (1.0 + LEAST_MARGIN) * share, share);
+                let verdict =
+                    factorisation.prove_beyond(1.0, (0.0, 0.0), (1.0 + LEAST_MARGIN) * share, share);
                 verdict == Verdict::Proven
             }
             Self::Patches(patches) => patches.proves_mass(share),

@@ -84,19 +84,20 @@ pub(super) struct Definite {
 }
 
 impl Definite {
-    /// A vector y, near that of the smallest eigenvalue of the scaled form: some steps of inverse iteration from `start`.
-    pub fn least(&self, start: &[f64]) -> Vec<f64> {
+    /// A vector y of nearly the smallest y'Ay over sum m_ii y_i^2, M of positive diagonal: some steps of inverse iteration.
+    pub fn least(&self, start: &[f64], measure: &Form) -> Vec<f64> {
         let k = start.len();
-        let mut y = Mat::from_fn(k, 1, |i, _| start[i] / self.scaling[i]);
-        // A form that is singular to many digits takes two; each gains the ratio of the two smallest eigenvalues.
+        let mut y = start.to_vec();
         for _ in 0..STEPS {
-            self.factor.solve_in_place(y.as_mut());
-            let length = (0..k).map(|i| y[(i, 0)] * y[(i, 0)]).sum::<f64>().sqrt();
-            (0..k).for_each(|i| y[(i, 0)] /= length);
+            let mut right = Mat::from_fn(k, 1, |i, _| y[i] * measure.diagonal(i) * self.scaling[i]);
+            self.factor.solve_in_place(right.as_mut());
+            (0..k).for_each(|i| y[i] = right[(i, 0)] * self.scaling[i]);
+            let length = (0..k).map(|i| y[i] * y[i] * measure.diagonal(i)).sum::<f64>().sqrt();
+            y.iter_mut().for_each(|y| *y /= length);
         }
-        (0..k).map(|i| y[(i, 0)] * self.scaling[i]).collect()
+        y
     }
 }
 
-/// Steps of inverse iteration.
+/// Steps of inverse iteration; each gains the ratio of the two smallest quotients, and next to a limit one is nearly 0.
 const STEPS: usize = 6;

@@ -79,7 +79,7 @@ pub mod upper;
 mod vectors;
 
 pub use chance::Chance;
-pub use closed::{Flexibilities, Poles, Share};
+pub use closed::{Flexibilities, Given, Poles, Share};
 pub use curve::{Curve, Effort, Options, Prover};
 pub use inverse::Passing;
 pub use patches::{Elements, Patches};

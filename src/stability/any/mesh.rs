@@ -100,7 +100,15 @@ impl MeshModel {
         given: Option<f64>,
         meshed: Option<Meshed>,
     ) -> Self {
-        Self { name: name.to_owned(), mass, pencil, given, meshed, known: Mutex::default(), flexibilities: Mutex::default() }
+        Self {
+            name: name.to_owned(),
+            mass,
+            pencil,
+            given,
+            meshed,
+            known: Mutex::default(),
+            flexibilities: Mutex::default(),
+        }
     }
 
     /// The name of the scene.
@@ -263,6 +271,9 @@ impl MeshModel {
         let scheme = matches!(&asking.limit, LimitOf::Scheme(_)) && asking.limit.scheme().is_some();
         let (eigenproblems, proofs) =
             if scheme { (2, 2) } else { (several(4.0 - 1.5 * width.log10()), several(0.75 / width.sqrt())) };
+        // Chords between flexibilities err as those between proofs do; a point takes some ten.
+        let park = asking.limit.scheme().is_some_and(|scheme| scheme.as_park().is_some());
+        let flexibilities = if park { ((2.5 / width.sqrt()) as usize).min(12 * points) } else { 0 };
         Ok(Plan {
             unknowns: self.pencil.size(),
             contacts,
@@ -274,6 +285,7 @@ impl MeshModel {
             prover: Some(named),
             eigenproblems,
             proofs,
+            flexibilities,
         })
     }
 

@@ -216,6 +216,7 @@ impl AnyModel {
                     prover: None,
                     eigenproblems: points,
                     proofs: points,
+                    flexibilities: 0,
                     memory: needs_pencil.then(|| pencil_bytes(model.scene())),
                 })
             }
