@@ -19,7 +19,7 @@ const MAY_NAME: [(&str, &[&str]); 19] = [
     ("double_double", &[]),
     ("mesh", &["error", "memory", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),
-    ("convex", &["error", "interrupt", "sparse", "pencil"]),
+    ("convex", &["error", "interrupt", "double_double", "sparse", "pencil"]),
     ("damping", &["error", "pencil", "spectrum", "convex"]),
     ("parts", &["error", "memory", "fem", "sparse", "pencil", "mesh", "convex"]),
     ("penalty", &["error", "pencil"]),

@@ -118,6 +118,18 @@ impl Patches {
     }
 }
 
+impl Patches {
+    /// Whether M >= `share` diag(M)/2, patch by patch.
+    pub(super) fn proves_mass(&self, share: f64) -> bool {
+        let lost = 4.0 * super::factor::rounding(self.sizes.3) * self.sizes.1;
+        let margin = (1.0 + MASS_MARGIN) * share + 2.0 * lost + MASS_MARGIN;
+        let proves = |patch: &Patch| {
+            patch.factorisation.prove_beyond(1.0, (0.0, 0.0), margin, share + lost) == Verdict::Proven
+        };
+        self.distinct.par_iter().all(proves)
+    }
+}
+
 /// What the rounding of sums and shares may take, in units of D: mass u + other.
 #[derive(Debug, Clone, Copy)]
 struct Lost {

@@ -86,9 +86,16 @@ fn explain_mesh(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<S
     let mass = model.mass().map_or(String::new(), |mass| format!(", {} mass", mass.name()));
     let memory =
         plan.memory.map_or(String::new(), |bytes| format!(", about {} MB", bytes.div_ceil(1_000_000)));
+    let flexibilities = match plan.flexibilities {
+        0 => String::new(),
+        some => format!(
+            ", about {some} flexibilities of the contacts by conjugate gradients and residuals, {} columns each",
+            2 * plan.contacts
+        ),
+    };
     Ok(format!(
         "{} ({elements}{} unknowns, {} contacts{mass}): {}, about {} eigenproblems of one function f(t) for all {} points, and {} bounds \
-         {proof}, to {:e} of a step{memory}\n    left out: an eigenproblem for each point; M_p in the eigenproblems; initial \
+         {proof}{flexibilities}, to {:e} of a step{memory}\n    left out: an eigenproblem for each point; M_p in the eigenproblems; initial \
          velocities and gaps (every contact is closed)",
         model.name(),
         plan.unknowns,

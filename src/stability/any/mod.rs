@@ -6,6 +6,7 @@ mod governing;
 mod largest;
 mod mesh;
 mod optimal;
+mod park;
 mod prover;
 mod scene;
 mod stepping;
@@ -217,6 +218,7 @@ impl AnyModel {
                     prover: None,
                     eigenproblems: points,
                     proofs: points,
+                    flexibilities: 0,
                     memory: needs_pencil.then(|| pencil_bytes(model.scene())),
                 })
             }
