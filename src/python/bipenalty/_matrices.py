@@ -162,6 +162,18 @@ def scales(values: ArrayLike | None, contacts: int) -> Floats | None:
     return np.full(contacts, float(array)) if array.ndim == 0 else array.reshape(-1)
 
 
+def vector(values: ArrayLike | None, name: str, size: int) -> Floats | None:
+    """Return one number for each of `size` places; a number is that of all."""
+    if values is None:
+        return None
+    array = floats(values, name)
+    if array.ndim == 0:
+        return np.full(size, float(array))
+    if array.shape != (size,):
+        raise _refusal(name, f"shape {array.shape}", f"[{size}], or a number")
+    return array
+
+
 def rows_of(parts: tuple[NDArray[np.int64], NDArray[np.int64], Floats, tuple[int, int]]) -> Any:
     """Return the scipy.sparse matrix of the rows that the library hands out."""
     try:

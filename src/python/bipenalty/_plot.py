@@ -193,7 +193,7 @@ def _map(found: StabilityMap, ax: Axes) -> None:
     x, y = (float(beta_s[0]), float(beta_s[-1])), (float(ratio[0]), float(ratio[-1]))
     casing = [patheffects.withStroke(linewidth=CASING, foreground="white")]
     for level in (level for level in ROUND if 1.1 * low < level < 0.97 * high):
-        line = found.model.contour(level, x, y, limit=found.limit, theta=found.theta)
+        line = found.model._core.contour(level, x, y, found._asked)
         if len(line):
             ax.plot(*line.T, color="black", linewidth=THIN, path_effects=casing)
             at = line[len(line) // 2]
