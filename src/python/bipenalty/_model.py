@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,6 +43,16 @@ def _axis(values: ArrayLike, name: str) -> NDArray[np.float64]:
     return array
 
 
+def _of_scene(scene: str, mass: str | float | None, elements: int | None, penalty_mass: str) -> Model:
+    return Model.from_scene(scene, mass=mass, elements=elements, penalty_mass=penalty_mass)
+
+
+def _of_rows(stiffness: Any, mass: Any, gaps: Any, weights: NDArray[np.float64], reference: float | None) -> Model:
+    """Make a model of what `Core.matrices` has given."""
+    rows = [_matrices.rows_given(parts) for parts in (stiffness, mass, _matrices.transposed(gaps))]
+    return Model._of(Core.from_matrices(rows[0], rows[1], rows[2], weights, reference), reference)
+
+
 def _named(limit: str, what: Asked) -> str:
     """Return the name of a limit in records, which damping changes."""
     return limit_name(what) if any(what[3]) else limit
@@ -54,7 +65,7 @@ class Model:
     ``s = beta_s w`` and the mass ``m = s/(ratio omega_ref^2)``.
     """
 
-    __slots__ = ("_core", "contacts", "elements", "gamma", "mass", "name", "unknowns")
+    __slots__ = ("_core", "_made", "contacts", "elements", "gamma", "mass", "name", "unknowns")
 
     name: str
     """Name of the scene; ``matrices`` where there is none."""
@@ -69,17 +80,40 @@ class Model:
     contacts: int
     """Contacts k."""
     _core: Core
+    _made: tuple[Any, ...]
+    """What a scene was made with, or the reference that was given with matrices."""
 
     def __init__(self) -> None:
         raise TypeError("a model is made by Model.from_scene or Model.from_matrices")
 
     @classmethod
-    def _of(cls, core: Core) -> Model:
+    def _of(cls, core: Core, *made: Any) -> Model:
         model = object.__new__(cls)
-        model._core = core
-        model.name, mass, model.elements, model.unknowns, model.contacts = core.facts()
-        model.mass, model.gamma = mass or (None, None)
+        name, mass, elements, unknowns, contacts = core.facts()
+        kind, gamma = mass or (None, None)
+        facts = (core, made, contacts, elements, gamma, kind, name, unknowns)
+        for slot, value in zip(cls.__slots__, facts, strict=True):
+            object.__setattr__(model, slot, value)
         return model
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{name} cannot be set: a model stays as it is")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{name} cannot be deleted: a model stays as it is")
+
+    def __copy__(self) -> Model:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Model:
+        return self
+
+    def __reduce__(self) -> tuple[Callable[..., Model], tuple[Any, ...]]:
+        """Say what to pickle: how the scene was made, which is read again, or the matrices."""
+        if len(self._made) > 1:
+            return _of_scene, self._made
+        stiffness, mass, gaps, weights = self._core.matrices()
+        return _of_rows, (stiffness, mass, gaps, weights, *self._made)
 
     @classmethod
     def from_scene(
@@ -115,7 +149,10 @@ class Model:
         name, text = ("scene", path) if "\n" in path else (path, None)
         gamma = None if mass is None else _gamma(mass)
         number = count(elements, "elements")
-        return cls._of(Core.from_scene(name, text, gamma, number, penalty_mass == "diagonalised"))
+        core = Core.from_scene(name, text, gamma, number, penalty_mass == "diagonalised")
+        # Another process may be elsewhere.
+        there = path if text is not None or not Path(path).is_file() else str(Path(path).resolve())
+        return cls._of(core, there, mass, number, penalty_mass)
 
     @classmethod
     def from_matrices(
@@ -160,7 +197,7 @@ class Model:
         else:
             omega = float(reference)
         weights = _matrices.scales(scales, gaps[0][0])
-        return cls._of(Core.from_matrices(stiffness, mass, gaps, weights, omega))
+        return cls._of(Core.from_matrices(stiffness, mass, gaps, weights, omega), omega)
 
     @property
     def reference(self) -> float:
@@ -201,7 +238,7 @@ class Model:
         theta
             Averaging of the Park scheme, 0.5 by default.
         parameter
-            p of noh-bathe, beta of chung-lee, phi of tchamwa-wielgosz, rho of generalised-alpha; as published by default.
+            p of noh-bathe, beta of chung-lee, phi of tchamwa-wielgosz, rho of generalised-alpha; else as published.
         damping
             ``Damping(mass, stiffness, contact)``: C = A M + B K + c K_p, of the spectrum, central differences and the
             predictor-corrector; A in 1/s, B and c in s. None by default.

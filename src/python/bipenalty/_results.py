@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import html
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -235,6 +235,25 @@ class SteppedLimit:
         return f"{self.scheme}: {steps}, {beside}, for {_penalty(self.beta_s, self.ratio)}"
 
 
+@dataclass(frozen=True)
+class _Kept:
+    """What a map is made of once it was pickled."""
+
+    arrays: dict[str, NDArray[np.float64]]
+    engine: list[str]
+    known: list[str]
+    seconds: float
+
+    def array(self, quantity: str) -> NDArray[np.float64]:
+        return self.arrays[quantity]
+
+    def engines(self) -> list[str]:
+        return self.engine
+
+    def evidence(self) -> list[str]:
+        return self.known
+
+
 @dataclass(frozen=True, eq=False)
 class StabilityMap:
     """The critical step over stiffness penalties and ratios.
@@ -252,7 +271,7 @@ class StabilityMap:
     limit: str
     """``"spectrum"``, or the scheme whose limit it is."""
     _asked: Asked = field(repr=False)
-    _map: Map = field(repr=False)
+    _map: Map | _Kept = field(repr=False)
 
     @cached_property
     def critical_step(self) -> NDArray[np.float64]:
@@ -288,6 +307,14 @@ class StabilityMap:
     def omega_max(self) -> NDArray[np.float64]:
         """rad/s: the highest frequency of spectrum and explicit schemes; of other limits 2/dt_cr."""
         return self._map.array("omega_max")
+
+    def __getstate__(self) -> dict[str, object]:
+        """Say what to copy and pickle."""
+        found = self._map
+        arrays = {name: found.array(name) for name in _QUANTITIES}
+        kept = _Kept(arrays, found.engines(), found.evidence(), found.seconds)
+        own = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {**own, "_map": kept}
 
     @property
     def seconds(self) -> float:
@@ -364,6 +391,7 @@ class StabilityMap:
             )
 
 
+_QUANTITIES = ("critical_step", "lower", "upper", "courant", "courant_lower", "courant_upper", "omega_max")
 _COLUMNS = (
     "scene,mass,gamma,elements,limit,stiffness_penalty,ratio,omega_max,critical_courant,lower,upper,engine,"
     "critical_step,step_lower,step_upper,evidence,penalty_stiffness,penalty_mass"
