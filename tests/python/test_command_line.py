@@ -310,7 +310,9 @@ def test_largest_of_a_step(tools):
     damping = bp.Damping(stiffness=1e-5)
     for row in rows:
         most = model.largest_penalty(6e-4, float(row["ratio"]), damping=damping)
-        assert float(row["largest_beta_s"]) == most
+        assert float(row["largest_stiffness_penalty"]) == most
+        assert float(row["largest_stiffness_penalty_lower"]) == most.lower
+        assert float(row["largest_stiffness_penalty_upper"]) == most.upper
 
 
 @pytest.mark.parametrize("scene_file", ["matrices"], indirect=True)

@@ -261,7 +261,8 @@ def test_impact_of_a_mesh():
     assert (run.relative_gap, run.exact_force, run.force_error) == (None, None, None)
     assert run.time_step <= 0.5 * model.critical_step(0.0).value
     assert run.resultant.max() > 0.0
-    assert run.kinetic_energy[0] == pytest.approx(0.5 * 2.0 * 0.01**2)
+    # The buffer of closed contacts has taken its share from 0.5 * 2 * 0.01^2 J.
+    assert 0.8e-4 < run.kinetic_energy[0] < 1e-4
     balance = run.energy + run.loss - run.body_work
     assert balance == pytest.approx(balance[0], rel=1e-12)
     assert run.energy_ratio == pytest.approx(run.energy[-1] / run.energy[0])
@@ -307,7 +308,8 @@ def test_damping_and_other_schemes():
     assert model.critical_step(most.lower, 3.0, damping=(0.0, 2 * xi / omega, 0.0)).upper >= 0.7 * slow.value
     seen = model.verify(10.0, 2.0, damping=bp.Damping(stiffness=2 * xi / omega))
     assert seen.agrees
-    assert "time_step" in str(pytest.raises(ValueError, model.largest_penalty, free, damping=(0, 1e-3, 0)).value)
+    with pytest.raises(ValueError, match=r"^time_step: .* limit without contact"):
+        model.largest_penalty(free, damping=(0, 1e-3, 0))
 
 
 def test_patches_give_another_proof():

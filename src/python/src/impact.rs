@@ -90,15 +90,17 @@ fn passage(
     let duration = duration.or_else(|| impact.as_ref().map(|impact| impact.duration));
     let duration = duration.ok_or_else(|| missing("duration", "a positive number (s)"))?;
     let free = model.contact_free(&Asking::default())?.step?;
-    let step = model.time_step(free.lower)?;
-    let own = encounter(model, impact, step)?;
+    let critical_step = model.time_step(1.0)? * free.lower;
+    let own = encounter(model, impact, critical_step)?;
+    let initial: Vec<f64> = own.pencil().gaps().iter().map(|gap| gap.initial).collect();
     let velocity = velocity.unwrap_or_else(|| own.velocity().to_vec());
     let load = load.unwrap_or_else(|| own.load().to_vec());
-    let given = Encounter::new(own.pencil().clone(), velocity, load, own.critical_step())?;
-    let encounter = match gaps {
-        Some(gaps) => given.with_gaps(&gaps)?,
-        None => given,
+    let pencil = match model {
+        AnyModel::Mesh(model) => model.stepping_pencil()?,
+        AnyModel::Bars(model) => model.pencil(),
     };
+    let encounter = Encounter::new(pencil, velocity, load, critical_step)?;
+    let encounter = encounter.with_gaps(&gaps.unwrap_or(initial))?;
     Ok(Passage::new(encounter, scheme, penalty, relative_courant, duration)?)
 }
 
