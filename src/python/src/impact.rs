@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use bipenalty::error::{Refusal, Result};
 use bipenalty::impact::{
-    Encounter, Ending, Exact, History, Mesh, Passage, Progress, Record, Recording, Run, Summary,
+    Encounter, Ending, Exact, History, Mesh, Observer, Passage, Record, Recording, Run, Summary,
 };
-use bipenalty::mesh::{Assembled, Contact, MeshImpact, Place};
+use bipenalty::mesh::{Assembled, MeshImpact, Place, SurfaceContact};
 use bipenalty::penalty::{Ratio, StiffnessPenalty};
 use bipenalty::pencil::{Gap, Matrix};
 use bipenalty::schemes::{Energy, Motion, Scheme};
@@ -118,7 +118,7 @@ fn encounter(model: &AnyModel, impact: Option<MeshImpact>, critical_step: f64) -
         let rest = vec![0.0; pencil.size()];
         return Encounter::new(pencil, rest, Vec::new(), critical_step);
     };
-    let contact = |(gap, place): (&Gap, &Place)| Contact {
+    let contact = |(gap, place): (&Gap, &Place)| SurfaceContact {
         column: gap.column.clone(),
         scale: gap.scale,
         initial_gap: gap.initial,
@@ -146,7 +146,7 @@ fn thrown<'py>(
     let stepped = run.clone();
     let history = long(py, run.steps() as usize, progress, move |watch: &Watch| {
         let mut report = |done, _| watch.set(done);
-        stepped.execute(&recording, Some(Progress { stop: watch.stop(), report: &mut report }))
+        stepped.execute(&recording, Some(Observer { stop: watch.stop(), report: &mut report }))
     })?
     .map_err(refused)?;
     of_history(py, &run, &history)
@@ -161,7 +161,7 @@ fn passed<'py>(
     let (steps, time_step) = (passage.steps() as usize, passage.time_step());
     let record = long(py, steps, progress, move |watch: &Watch| {
         let mut report = |done, _| watch.set(done);
-        let told = Progress { stop: watch.stop(), report: &mut report };
+        let told = Observer { stop: watch.stop(), report: &mut report };
         passage.execute(every, Some(told), &mut |_: f64, _: &dyn Motion| ())
     })?
     .map_err(refused)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bipenalty::error::{Refusal, Result};
 use bipenalty::schemes::Scheme;
 use bipenalty::stability::{AnyModel, Asking, Grid, LimitOf};
-use bipenalty::verify::{Point, Prediction, confirm_any, predict_any};
+use bipenalty::verify::{PenaltyPoint, Prediction, confirm_any, predict_any};
 
 /// The predicted limit, a stable and an unstable step, s; steps of a trial; growth; whether the prediction agrees.
 pub type SteppedTuple = ([f64; 3], u64, f64, Option<bool>);
@@ -18,7 +18,7 @@ pub fn stepped(
     model: &AnyModel,
     scheme: &Arc<dyn Scheme>,
     limit: LimitOf,
-    point: Point,
+    point: PenaltyPoint,
     tolerance: f64,
 ) -> Result<SteppedTuple> {
     let predicted = predicted(model, scheme, limit, point, tolerance).ok();
@@ -34,7 +34,7 @@ fn predicted(
     model: &AnyModel,
     scheme: &Arc<dyn Scheme>,
     limit: LimitOf,
-    point: Point,
+    point: PenaltyPoint,
     tolerance: f64,
 ) -> Result<Prediction> {
     if let (AnyModel::Mesh(_), LimitOf::Damped(_)) = (model, &limit) {
