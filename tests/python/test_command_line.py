@@ -182,6 +182,22 @@ def test_verify(tools):
         assert str(seen.agrees).lower() == row["agrees"]
 
 
+@pytest.mark.parametrize("scheme", ["central-difference", "predictor-corrector"])
+@pytest.mark.parametrize("scene_file", ["mesh"], indirect=True)
+def test_verify_meshes(tools, scene_file, scheme):
+    typed = ["--scheme", scheme, "--beta-s", "0.5,10,1e3", "--ratio", "0.25,1,inf", "--tolerance", "1e-2"]
+    rows = tools("verify-limits", scene_file, *typed)
+    model = bp.Model.from_scene(scene_file)
+    assert len(rows) == 9
+    for row in rows:
+        seen = model.verify(float(row["stiffness_penalty"]), float(row["ratio"]), scheme=scheme, tolerance=1e-2)
+        second = 2.0 / np.sqrt(model.reference)
+        assert seen.stable_at == pytest.approx(float(row["stable_at"]) * second, rel=1e-15)
+        assert seen.unstable_at == pytest.approx(float(row["unstable_at"]) * second, rel=1e-15)
+        assert seen.growth == float(row["growth"])
+        assert {True: "true", False: "false", None: ""}[seen.agrees] == row["agrees"]
+
+
 @pytest.mark.parametrize("scheme", ["central-difference", "predictor-corrector", "park"])
 def test_impact(tmp_path, scheme):
     tool = ROOT / "target" / "release" / "contact-impact"
