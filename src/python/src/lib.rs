@@ -60,6 +60,7 @@ fn _bipenalty(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<map::Map>()?;
     module.add_class::<distributed::Part>()?;
     module.add_class::<distributed::Session>()?;
+    module.add_function(wrap_pyfunction!(asked::limit_name, module)?)?;
     module.add_function(wrap_pyfunction!(distributed::split, module)?)?;
     module.add_function(wrap_pyfunction!(distributed::axis, module)?)
 }
