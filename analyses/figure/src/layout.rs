@@ -30,8 +30,7 @@ pub(super) struct PlacedPanel<'a> {
     pub(super) reach: f64,
 }
 
-/// Which axes of a panel carry numbers and labels. Panels of a column with one horizontal axis are labelled below the
-/// lowest, panels of a row with one vertical axis left of the first.
+/// Which axes of a panel carry numbers and labels: those that are not the axis of the panel below, and of the one on the left.
 #[derive(Clone, Copy)]
 pub(super) struct Labelled {
     pub(super) x: bool,
@@ -80,6 +79,9 @@ struct Margins {
 /// Space left of a frame whose axis is labelled elsewhere, and below one, mm.
 const BARE_LEFT: f64 = PADDING;
 const BARE_BOTTOM: f64 = MAJOR_TICK + GAP;
+
+/// Height of all frames of a column together, mm: with titles, labels and a legend they fit on a page with its caption.
+const MOST_HEIGHT: f64 = 140.0;
 
 /// Height over width of a frame: what can be drawn.
 const ASPECTS: std::ops::RangeInclusive<f64> = 0.05..=20.0;
@@ -143,21 +145,18 @@ pub(super) fn layout<'a>(
     Ok(Layout { panels, bar: bar.transpose()?, height })
 }
 
-/// Which axes of each panel are labelled; an incomplete last row leaves the panel above it the lowest of its column.
+/// Which axes of each panel are labelled; above the gap of an incomplete last row they are.
 fn labelled(figure: &Figure, axes: &[(Interval, Interval)], columns: usize) -> Vec<Labelled> {
     let same = |one: &Axis, i: Interval, other: &Axis, j: Interval| {
         (&one.label, &one.names, one.scale) == (&other.label, &other.names, other.scale)
             && (i.low, i.high) == (j.low, j.high)
     };
     let panels = &figure.panels;
-    let of = |i: usize| {
-        let beside = |j: &usize| j / columns == i / columns;
-        let below = |j: &usize| j % columns == i % columns;
-        let shares_y =
-            (0..panels.len()).filter(beside).all(|j| same(&panels[i].y, axes[i].1, &panels[j].y, axes[j].1));
-        let shares_x =
-            (0..panels.len()).filter(below).all(|j| same(&panels[i].x, axes[i].0, &panels[j].x, axes[j].0));
-        Labelled { x: !shares_x || i + columns >= panels.len(), y: !shares_y || i.is_multiple_of(columns) }
+    let of = |i: usize| Labelled {
+        x: panels
+            .get(i + columns)
+            .is_none_or(|below| !same(&panels[i].x, axes[i].0, &below.x, axes[i + columns].0)),
+        y: i.is_multiple_of(columns) || !same(&panels[i].y, axes[i].1, &panels[i - 1].y, axes[i - 1].1),
     };
     (0..panels.len()).map(of).collect()
 }
@@ -186,7 +185,7 @@ impl Plan<'_> {
             if self.side > MAX_LABEL_SHARE * share || frame < MIN_FRAME {
                 return Err(PlotError::TooNarrow { columns, width });
             }
-            size = (frame, frame * self.figure.aspect);
+            size = (frame, (frame * self.figure.aspect).min(MOST_HEIGHT / self.rows as f64));
         }
         Ok((size, margins))
     }
