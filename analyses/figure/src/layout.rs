@@ -260,6 +260,9 @@ impl Plan<'_> {
             margins.bottom[..row].iter().sum::<f64>() + row as f64 * (margins.top + size.1) + margins.top;
         let (x_ticks, y_ticks) = self.ticks(index, size)?;
         let sizes = self.sizes(index, size, margins)?;
+        // Titles stand on one line, for which the place was kept at full size.
+        let rises = (0..figure.panels.len()).map(|index| self.title_rise(index, TITLE_SIZE, size));
+        let title_rise = rises.collect::<Result<Vec<_>, _>>()?.into_iter().fold(0.0, f64::max);
         Ok(PlacedPanel {
             panel,
             frame: Frame { rect: Rect::new(left, top, size.0, size.1), x, y },
@@ -268,8 +271,7 @@ impl Plan<'_> {
             tag: tag(figure, index),
             labelled: self.labelled[index],
             sizes,
-            // The place for the title was kept for one of full size.
-            title_rise: self.title_rise(index, TITLE_SIZE, size)?,
+            title_rise,
             reach: margins.left[column] - PADDING,
         })
     }
@@ -278,7 +280,9 @@ impl Plan<'_> {
     fn sizes(&self, index: usize, size: (f64, f64), margins: &Margins) -> Result<Sizes, PlotError> {
         let panel = &self.figure.panels[index];
         let (row, column) = (index / self.columns, index % self.columns);
-        let across = size.0 + 2.0 * (margins.left[column].min(margins.right) - GAP);
+        // The label of the vertical axis may be longer than the frame: nothing reaches above or below it.
+        let label = if self.labelled[index].y { PADDING + text_height(AXIS_SIZE) } else { 0.0 };
+        let across = size.0 + 2.0 * ((margins.left[column] - label).min(margins.right) - GAP);
         let along = size.1 + 2.0 * (margins.top.min(margins.bottom[row]) - GAP);
         let title = panel.title.as_ref();
         Ok(Sizes {

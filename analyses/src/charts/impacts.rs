@@ -114,11 +114,11 @@ pub fn stresses(scene: &str, mass: &str, runs: &[RunRecord], exact: &ExactLine) 
 
 /// The ends of a logarithmic axis of these lines, without the few values of each, a step or two, at which contact only begins
 /// or ends: they may be as small as rounding, and would leave no room for the others.
-fn without_onsets(layers: &[Layer]) -> Option<(f64, f64)> {
+fn without_onsets(lines: &[Vec<(f64, f64)>]) -> Option<(f64, f64)> {
     /// A hundredth of the values of a line.
     const FEW: usize = 100;
-    let ends = layers.iter().filter_map(|layer| {
-        let mut values: Vec<f64> = layer.points().iter().map(|point| point.1).filter(|y| *y > 0.0).collect();
+    let ends = lines.iter().filter_map(|line| {
+        let mut values: Vec<f64> = line.iter().map(|point| point.1).filter(|y| *y > 0.0).collect();
         values.sort_by(f64::total_cmp);
         Some((*values.get(values.len() / FEW)?, *values.last()?))
     });
@@ -178,10 +178,10 @@ fn panels(
         let numbers: Vec<String> = group.iter().map(|beta_s| number(*beta_s)).collect();
         let title =
             format!("{}, {}, *β*_{{s}} = {}", literal(&scene_name(scene)), literal(mass), numbers.join(", "));
-        let y = if y.scale == Scale::Log {
-            Axis { range: without_onsets(&layers), ..y.clone() }
-        } else {
-            y.clone()
+        let lines: Vec<Vec<(f64, f64)>> = of_panel.iter().map(|run| curve(run).0).collect();
+        let y = match y.scale {
+            Scale::Log => Axis { range: without_onsets(&lines), ..y.clone() },
+            Scale::Linear => y.clone(),
         };
         Panel::new(Axis::linear(x), y, layers).titled(title)
     };
@@ -191,7 +191,7 @@ fn panels(
     figure.columns = figure.columns.min(2);
     figure.naming = figure::Naming::Legend;
     if runs.iter().any(|run| envelope(&curve(run).0, y.scale).is_some()) {
-        let pairs = "pairs of lines: swings too dense to draw lie between";
+        let pairs = "pairs: range of swings";
         figure.key = vec![Layer::curve(Vec::new(), pairs, LIGHT_GREY)];
     }
     figure
@@ -322,7 +322,7 @@ mod tests {
     fn the_onset_of_contact_makes_no_axis() {
         let points =
             (0..1000).map(|i| (f64::from(i), if i < 3 { 1e-13 } else { 1e-3 + 1e-6 * f64::from(i) }));
-        let (low, high) = without_onsets(&[Layer::curve(points.collect(), "*g*", 0)]).expect("two values");
+        let (low, high) = without_onsets(&[points.collect()]).expect("two values");
         assert!(low > 0.9e-3 && high < 2.2e-3, "{low} {high}");
     }
 }

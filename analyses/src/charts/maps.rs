@@ -212,7 +212,11 @@ pub fn titled_by_limit(mut figure: Figure, panels: &[Vec<StabilityRow>]) -> Figu
             _ => kept.push((panel, vec![name], rows)),
         }
     }
-    let titled = |(panel, names, rows): (Panel, Vec<String>, &[StabilityRow])| {
+    let titled = |(panel, mut names, rows): (Panel, Vec<String>, &[StabilityRow])| {
+        // Central differences have the spectrum's limit: the name of the scheme says more.
+        if names.len() > 1 {
+            names.retain(|name| name != "spectrum");
+        }
         let mass = rows.first().map_or(String::new(), |row| mass_name(&row.mass));
         panel.titled(literal(&format!("{}{mass}{}", names.join(" / "), bound_name(rows))))
     };
