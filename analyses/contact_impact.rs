@@ -17,7 +17,7 @@ use analyses::record::{HistoryRow, ImpactRow};
 use bipenalty::impact::{Ending, Exact, Recording, Run};
 use bipenalty::penalty::{Ratio, StiffnessPenalty};
 use bipenalty::schemes::SchemeName;
-use bipenalty::stability::{Axis, Grid, Model, check_has_contact};
+use bipenalty::stability::{Grid, Model, Sweep, check_has_contact};
 use clap::Parser;
 
 /// Contact-impact of bars in time: three schemes, exact solutions, errors.
@@ -29,10 +29,10 @@ struct Options {
     scene: SceneOptions,
     /// Stiffness penalties: a list 1,1e4 or lin:1:10:10 or log:1:1e12:4 (start:stop:count)
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "1,1e4,1e8,1e12")]
-    beta_s: Axis,
+    beta_s: Sweep,
     /// Penalty ratios r, in the same forms; inf is the pure penalty method
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "1")]
-    ratio: Axis,
+    ratio: Sweep,
     /// Schemes: central-difference, predictor-corrector, park
     #[arg(
         long,

@@ -16,7 +16,7 @@ use analyses::cli::{
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{CostRow, OptimalRatioRow, StabilityRow, Subject};
-use bipenalty::stability::{AnyModel, Axis};
+use bipenalty::stability::{AnyModel, Sweep};
 use clap::Parser;
 
 /// The stability limits of the schemes themselves with closed contact, and their optimal ratios.
@@ -198,9 +198,9 @@ fn settings(limit: Limit, theta: f64) -> LimitOptions {
 
 /// Fig. 3 and the map of one model.
 fn figures(model: &Arc<AnyModel>) -> Result<Vec<Job>> {
-    let ratios = Axis::list([0.25, 1.0, 2.0, 3.0, f64::INFINITY]);
-    let curves = Job::new(stem("fig3", model), vec![model.clone()], Axis::linear(0.0, 10.0, 401)?, ratios)?;
-    let (beta_s, ratio) = (Axis::log(1e-2, 1e6, 161)?, Axis::log(0.05, 1e2, 97)?);
+    let ratios = Sweep::list([0.25, 1.0, 2.0, 3.0, f64::INFINITY]);
+    let curves = Job::new(stem("fig3", model), vec![model.clone()], Sweep::linear(0.0, 10.0, 401)?, ratios)?;
+    let (beta_s, ratio) = (Sweep::log(1e-2, 1e6, 161)?, Sweep::log(0.05, 1e2, 97)?);
     Ok(vec![curves, Job::new(stem("map", model), vec![model.clone()], beta_s, ratio)?])
 }
 
@@ -242,7 +242,7 @@ fn draw(
 fn costs(models: &[Arc<AnyModel>], theta: f64, output: &Output, progress: &Progress) -> Result<usize> {
     let mut rows = Vec::new();
     for model in models {
-        let (beta_s, ratio) = (Axis::list([0.0, STIFF]), Axis::log(1e-2, 1e2, 121)?);
+        let (beta_s, ratio) = (Sweep::list([0.0, STIFF]), Sweep::log(1e-2, 1e2, 121)?);
         let job = Job::new(stem("cost", model), vec![model.clone()], beta_s, ratio)?;
         rows.push(solve(&job, model, theta, progress)?.split_off(1));
     }
@@ -285,7 +285,7 @@ fn optimal_ratios(
 
 fn ratios_of(model: &AnyModel, limit: Limit, theta: f64) -> Result<Vec<OptimalRatioRow>> {
     let (asking, subject) = (settings(limit, theta).asking()?, Subject::of(model)?);
-    let beta_s = Axis::log(1e-1, 1e6, 141)?.values;
+    let beta_s = Sweep::log(1e-1, 1e6, 141)?.values;
     let found = model.optimal_ratios(&beta_s, &asking, &|_| ())?;
     let row = |(beta_s, (found, expected)): (&f64, _)| {
         OptimalRatioRow::new(&subject, limit.name(), *beta_s, found, expected)

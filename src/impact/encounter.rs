@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::advance::{Pace, Progress, advance, steps};
+use super::advance::{Observer, Pace, advance, steps};
 use super::run::{MAX_STEPS, contact_free_step};
 use super::{Ending, Mesh, Record};
 use crate::error::Refusal;
@@ -220,7 +220,7 @@ impl Passage {
     pub fn execute(
         &self,
         every: u64,
-        progress: Option<Progress>,
+        progress: Option<Observer>,
         mut see: impl FnMut(f64, &dyn Motion),
     ) -> Result<Record, Refusal> {
         self.check_rows(every)?;

@@ -20,7 +20,7 @@ mod record;
 mod run;
 mod summary;
 
-pub use advance::Progress;
+pub use advance::Observer;
 pub use comparison::Accuracy;
 pub use encounter::{Encounter, Passage};
 pub use exact::Exact;

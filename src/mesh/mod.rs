@@ -40,5 +40,5 @@ pub mod topology;
 mod vtu;
 
 pub use assembly::{Body, Elements, HELD};
-pub use scene::{Assembled, BodySource, Contact, MeshImpact, MeshScene, Opponent, Place, SurfaceName};
+pub use scene::{Assembled, BodySource, MeshImpact, MeshScene, Opponent, Place, SurfaceContact, SurfaceName};
 pub use vtu::Field;

@@ -1,6 +1,6 @@
 //! The charts of the tools, made of records only.
 
-use super::curve::{Curve, Point, curves_of};
+use super::curve::{Curve, CurvePoint, curves_of};
 use super::levels::{ContourLines, Level};
 use crate::record::{GIVEN, StabilityRow};
 use bipenalty::schemes::explicit::ExplicitName;
@@ -59,7 +59,7 @@ fn stable_side(curves: &[Curve], source: impl Fn(&Curve) -> Option<Source>) -> O
     for (i, (beta_s, lowest)) in points.iter_mut().enumerate() {
         for curve in curves {
             // Curves of other abscissae have no common envelope; a gap in one is a gap of the shade.
-            let Point { beta_s: other, courant, .. } = *curve.points.get(i)?;
+            let CurvePoint { beta_s: other, courant, .. } = *curve.points.get(i)?;
             if other != *beta_s {
                 return None;
             }

@@ -11,7 +11,7 @@ use crate::charts;
 use crate::error::{Refusal, Result};
 use crate::record::{CostRow, Price, StabilityRow, Subject};
 use bipenalty::schemes::SchemeName;
-use bipenalty::stability::{AnyModel, Asking, Axis};
+use bipenalty::stability::{AnyModel, Asking, Sweep};
 
 /// Which schemes are compared, and where.
 #[derive(Debug, Clone, Args)]
@@ -24,10 +24,10 @@ pub struct ForceOptions {
     pub limit: Vec<Priced>,
     /// Stiffness penalties: a list, lin:START:STOP:COUNT or log:START:STOP:COUNT [default: log:1e-2:1e2:121]
     #[arg(long, value_name = "SPEC", requires = "per_force", allow_negative_numbers = true)]
-    pub beta_s: Option<Axis>,
+    pub beta_s: Option<Sweep>,
     /// Penalty ratios in the same forms, or inf [default: 0.25,1,inf]
     #[arg(long, value_name = "SPEC", requires = "per_force", allow_negative_numbers = true)]
-    pub ratio: Option<Axis>,
+    pub ratio: Option<Sweep>,
     /// Draw the records of a CSV file of an earlier --per-force again without computing
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
         "elements", "mass", "penalty_mass", "per_force", "theta"])]
@@ -102,8 +102,8 @@ impl ForceOptions {
         /// Each ratio has a panel.
         const MOST_RATIOS: usize = 6;
         let (beta_s, ratio) = (self.beta_s.clone(), self.ratio.clone());
-        let beta_s = beta_s.map_or_else(|| Axis::log(1e-2, 1e2, 121), Ok)?;
-        let ratio = ratio.unwrap_or_else(|| Axis::list([0.25, 1.0, f64::INFINITY]));
+        let beta_s = beta_s.map_or_else(|| Sweep::log(1e-2, 1e2, 121), Ok)?;
+        let ratio = ratio.unwrap_or_else(|| Sweep::list([0.25, 1.0, f64::INFINITY]));
         if ratio.values.len() > MOST_RATIOS {
             let allowed = format!("at most {MOST_RATIOS} ratios with --per-force, a panel each");
             return Err(Refusal::new("--ratio", format!("{} ratios", ratio.values.len()), allowed));

@@ -12,8 +12,8 @@ use crate::error::{Refusal, Result};
 use crate::record::{OpeningRow, Recommendation, VerifyRow, scans};
 use bipenalty::impact::Run;
 use bipenalty::schemes::{Scheme, SchemeName};
-use bipenalty::stability::{Axis, Grid, Model};
-use bipenalty::verify::Point;
+use bipenalty::stability::{Grid, Model, Sweep};
+use bipenalty::verify::PenaltyPoint;
 use bipenalty::verify::opening::{LinearLimit, Load, MOST_STEPS, energy_gain, energy_put_in, is_proven};
 
 /// How contacts behave.
@@ -30,7 +30,7 @@ pub enum Contact {
 pub struct OpeningOptions {
     /// Opening contact: steps over the predicted limit, each in (0, 1) [default: 0.1 to 0.9 by 0.1, and 0.99]
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
-    pub fraction: Option<Axis>,
+    pub fraction: Option<Sweep>,
 }
 
 /// Steps over the predicted limit where nothing else is asked for.
@@ -40,7 +40,7 @@ const FRACTIONS: [f64; 10] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.99]
 struct Case {
     run: Run,
     load: Load,
-    point: Point,
+    point: PenaltyPoint,
     predicted: f64,
     contact_free_courant: f64,
     proven: bool,
@@ -89,7 +89,7 @@ impl OpeningPlan {
                 let limit = LinearLimit::new(model, &pencil, &*scheme)?;
                 for ratio in &grid.ratios {
                     for stiffness_penalty in &grid.stiffness_penalties {
-                        let point = Point { stiffness_penalty: *stiffness_penalty, ratio: *ratio };
+                        let point = PenaltyPoint { stiffness_penalty: *stiffness_penalty, ratio: *ratio };
                         plan.add(model, &scheme, point, &limit, fractions)?;
                     }
                 }
@@ -102,7 +102,7 @@ impl OpeningPlan {
         &mut self,
         model: &Model,
         scheme: &Arc<dyn Scheme>,
-        point: Point,
+        point: PenaltyPoint,
         limit: &LinearLimit,
         fractions: &[f64],
     ) -> Result<(), Refusal> {

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Number, VerifyRow};
 use bipenalty::impact::Run;
-use bipenalty::verify::Point;
+use bipenalty::verify::PenaltyPoint;
 use bipenalty::verify::opening::{Gain, Load, least_gain};
 
 /// What one run has gained. Steps are dt over the contact-free critical step.
@@ -44,7 +44,7 @@ pub struct OpeningRow {
 
 impl OpeningRow {
     /// The row of `run` under `load` at `point`.
-    pub fn new(run: &Run, load: Load, point: Point, predicted: f64, found: &Gain) -> Self {
+    pub fn new(run: &Run, load: Load, point: PenaltyPoint, predicted: f64, found: &Gain) -> Self {
         let model = run.model();
         Self {
             scene: model.scene().name().to_owned(),
