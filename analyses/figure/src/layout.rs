@@ -45,6 +45,13 @@ pub(super) struct Sizes {
     pub(super) y: f64,
 }
 
+impl Sizes {
+    /// The smaller of each: labels of one kind have one size in a figure.
+    fn smaller(self, other: Self) -> Self {
+        Self { title: self.title.min(other.title), x: self.x.min(other.x), y: self.y.min(other.y) }
+    }
+}
+
 /// The colour bar with its place on the page.
 pub(super) struct PlacedBar<'a> {
     pub(super) bar: &'a ColourBar,
@@ -128,7 +135,9 @@ pub(super) fn layout<'a>(
     let bar = figure.colour_bar.as_ref().zip(shades.map(|(interval, _)| interval));
     let (size, margins) = plan.fit(bar)?;
     let panels = (0..figure.panels.len()).map(|index| plan.place(figure, index, size, &margins));
-    let panels = panels.collect::<Result<Vec<_>, PlotError>>()?;
+    let mut panels = panels.collect::<Result<Vec<_>, PlotError>>()?;
+    let sizes = panels.iter().map(|panel| panel.sizes).reduce(Sizes::smaller);
+    panels.iter_mut().zip(sizes.into_iter().cycle()).for_each(|(panel, sizes)| panel.sizes = sizes);
     let height = rows as f64 * (margins.top + size.1) + margins.bottom.iter().sum::<f64>();
     let width = margins.left.iter().sum::<f64>() + columns as f64 * (size.0 + margins.right);
     let bar = bar.map(|(bar, interval)| -> Result<PlacedBar, PlotError> {
