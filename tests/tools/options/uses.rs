@@ -203,6 +203,31 @@ pub const USES: &[(&str, &str, &str, Seen)] = &[
     ),
     ("scheme-limits", "--theta", "signorini --elements 2 --mass lumped --theta 0", Other(BAR)),
     (
+        "scheme-limits",
+        "--per-force",
+        "signorini --elements 2 --mass lumped --per-force --limit predictor-corrector,park --beta-s 0 --ratio 1",
+        Column("cost", &["1.0", "2.0"]),
+    ),
+    (
+        "scheme-limits",
+        "--limit",
+        "signorini --elements 2 --mass lumped --per-force --limit noh-bathe:0.5 --beta-s 0 --ratio 1",
+        Column("parameter", &["0.5"]),
+    ),
+    (
+        "scheme-limits",
+        "--beta-s",
+        "signorini --elements 2 --mass lumped --per-force --limit park --beta-s 1,2 --ratio 1",
+        Column("stiffness_penalty", &["1.0", "2.0"]),
+    ),
+    (
+        "scheme-limits",
+        "--ratio",
+        "signorini --elements 2 --mass lumped --per-force --limit park --beta-s 1 --ratio 1,inf",
+        Column("ratio", &["1.0", "inf"]),
+    ),
+    ("scheme-limits", "--from", "--from missing.csv", Refused("missing.csv")),
+    (
         "contact-impact",
         "--elements",
         "signorini --elements 3 --mass lumped --beta-s 1 --scheme park",
