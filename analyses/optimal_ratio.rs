@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use analyses::charts;
 use analyses::cli::{
-    self, Analysis, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict, check_stems,
+    self, Analysis, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Units, Verdict, check_stems,
     checked_grid, narrate, print_table, redraw_optimal_ratio, require_memory, tabulate_ratios,
 };
 use analyses::error::{Refusal, Result};
@@ -26,13 +26,19 @@ struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     /// Stiffness penalties: a list 1,1e4 or lin:1:10:10 or log:1e-3:1e12:61 (start:stop:count)
-    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "log:1e-3:1e12:61")]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = USUAL)]
     beta_s: Sweep,
+    /// Stiffness penalties s in N/m, in the same forms, instead of beta_s: s of the contact of smallest scale, no other is softer
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, conflicts_with = "beta_s")]
+    stiffness: Option<Sweep>,
     #[command(flatten)]
     limit: LimitOptions,
+    /// Units of the axes of the charts; the records hold both
+    #[arg(long, value_name = "UNITS", default_value = "dimensionless")]
+    units: Units,
     /// Draw the records of a CSV file, written by an earlier run, again without computing
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, conflicts_with_all = ["scenes",
-        "elements", "mass", "penalty_mass", "beta_s", "limit", "theta", "parameter", "damping_mass", "damping_stiffness",
+        "elements", "mass", "penalty_mass", "beta_s", "stiffness", "limit", "theta", "parameter", "damping_mass", "damping_stiffness",
         "damping_contact", "engine", "tolerance", "patch"])]
     from: Option<PathBuf>,
     #[command(flatten)]
@@ -44,7 +50,11 @@ const EXAMPLES: &str = "Examples:
   optimal-ratio my-bars.toml --beta-s 1e4           which r costs nothing, and which bar governs
   optimal-ratio hunek --limit predictor-corrector   which r is free of cost for that scheme
   optimal-ratio signorini --mass lumped --beta-s log:1:1e16:17 --stdout csv
+  optimal-ratio my-bars.toml --mass lumped --stiffness log:1e6:1e12:13 --units si   over N/m
   optimal-ratio --from figures/optimal-ratio/signorini.csv --width single --format pdf";
+
+/// The stiffness penalties unless others are asked for.
+const USUAL: &str = "log:1e-3:1e12:61";
 
 /// Records to draw again, or the models of each scene and the stiffness penalties.
 enum Plan {
@@ -79,11 +89,11 @@ impl Analysis for Options {
             return Ok(Plan::Redraw(file.clone()));
         }
         let models = plan(self)?;
-        let grid = checked_grid(&self.beta_s, &Sweep::list([1.0, 1e12]))?;
+        let grid = checked_grid(self.stiffness.as_ref().unwrap_or(&self.beta_s), &ratios())?;
         // A row with its text and its cells.
         require_memory(&grid, 2000)?;
         let bars = models.iter().flatten().filter(|model| matches!(***model, AnyModel::Bars(_)));
-        bars.into_iter().try_for_each(|model| model.check_grid(&grid))?;
+        bars.into_iter().try_for_each(|model| model.check_grid(&grid_of(self, model)?))?;
         Ok(Plan::Models(models, grid))
     }
 
@@ -141,14 +151,18 @@ fn compute(
     for models in models {
         let mut found = Vec::new();
         for model in models {
-            found.push(search(model, grid, &options.limit, &progress)?);
+            found.push(search(model, options, &progress)?);
         }
         let name = &stem(models, options)?;
         let rows: Vec<Vec<OptimalRatioRow>> = found.iter().map(|found| found.rows.clone()).collect();
         files += output.write_rows(name, &rows.concat())?.len();
-        if output.wants_figures() && options.beta_s.values.len() > 1 {
-            let log = charts::is_logarithmic(&options.beta_s.values);
-            if let Some(figure) = charts::optimal_ratio(&format!("{name}.csv"), &rows, log) {
+        let axis = options.stiffness.as_ref().unwrap_or(&options.beta_s);
+        if output.wants_figures() && axis.values.len() > 1 {
+            let log = charts::is_logarithmic(&axis.values);
+            if let Some(mut figure) = charts::optimal_ratio(&format!("{name}.csv"), &rows, log) {
+                if options.units == Units::Si {
+                    figure = charts::stiffness_in_si(figure, &rows);
+                }
                 files += output.write_figure(name, &figure)?.len();
             }
         }
@@ -175,27 +189,44 @@ fn plan(options: &Options) -> Result<Vec<Vec<Arc<AnyModel>>>> {
     Ok(models)
 }
 
-/// The name of the files of one scene; the limit of a scheme is another question, with files of its own.
+/// The grid of one model.
+fn grid_of(options: &Options, model: &AnyModel) -> Result<Grid, Refusal> {
+    let beta_s = match &options.stiffness {
+        Some(stiffness) => cli::penalties_of(stiffness, model)?,
+        None => options.beta_s.clone(),
+    };
+    checked_grid(&beta_s, &ratios())
+}
+
+/// The ratios between which every penalty is to be a number.
+fn ratios() -> Sweep {
+    Sweep::list([1.0, 1e12])
+}
+
+/// The name of the files of one scene, with all that makes another question of it.
 fn stem(models: &[Arc<AnyModel>], options: &Options) -> Result<String, Refusal> {
-    let scene = models[0].name();
-    Ok(match options.limit.asking()?.limit {
-        LimitOf::Spectrum => scene.to_owned(),
-        _ => format!("{scene}-{}", options.limit.name()?),
-    })
+    let usual = USUAL.parse::<Sweep>()?;
+    let axis = (options.beta_s != usual).then(|| cli::axis_word("beta", &options.beta_s));
+    let stiffness = options.stiffness.as_ref().map(|stiffness| cli::axis_word("s", stiffness));
+    let words = [options.scene.mass_word(), axis, stiffness].into_iter().chain(options.scene.words());
+    Ok(models[0].name().to_owned() + &cli::question(words.chain(options.limit.words()?)))
 }
 
 /// Brackets the optimal ratio of one model at every beta_s.
-fn search(model: &Arc<AnyModel>, grid: &Grid, options: &LimitOptions, progress: &Progress) -> Result<Found> {
+fn search(model: &Arc<AnyModel>, options: &Options, progress: &Progress) -> Result<Found> {
     progress.doing(model.name());
-    model.check_grid(grid)?;
-    let (asking, subject) = (options.asking()?, Subject::of(model)?);
+    let grid = grid_of(options, model)?;
+    model.check_grid(&grid)?;
+    let (options, subject) = (&options.limit, Subject::of(model)?);
+    let asking = options.asking()?;
     let beta_s: Vec<f64> = grid.stiffness_penalties.iter().map(|b| b.get()).collect();
     let found = model.optimal_ratios(&beta_s, &asking, &|n| progress.add(n))?;
     let one_for_all = matches!(asking.limit, LimitOf::Spectrum | LimitOf::Explicit(_));
     let expected = found.first().and_then(|(_, expected)| *expected).filter(|_| one_for_all);
     let name = options.name()?;
+    let free = model.contact_free(&asking)?.step.ok().map(|step| subject.seconds(step.lower));
     let row = |(beta_s, (found, expected)): (&f64, _)| {
-        OptimalRatioRow::new(&subject, name, *beta_s, found, expected)
+        OptimalRatioRow::new(&subject, name, *beta_s, found, expected, free)
     };
     let rows = beta_s.iter().zip(found).map(row).collect();
     Ok(Found { model: model.clone(), expected, rows })

@@ -12,7 +12,8 @@ use std::sync::Arc;
 use analyses::charts;
 use analyses::cli::{
     Analysis, Chart, ForceOptions, ForcePlan, Job, Limit, LimitOptions, Output, OutputOptions, Progress,
-    SceneOptions, Verdict, check_stems, check_touches, narrate, print_costs, print_table, redraw_costs,
+    SceneOptions, Units, Verdict, check_stems, check_touches, narrate, print_costs, print_table, question,
+    redraw_costs,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{CostRow, OptimalRatioRow, StabilityRow, Subject};
@@ -26,8 +27,11 @@ struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     /// Averaging of the Park scheme, in [0, 1]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 0.5)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = USUAL_THETA)]
     theta: f64,
+    /// Units of the axes of the charts; the records hold both
+    #[arg(long, value_name = "UNITS", default_value = "dimensionless")]
+    units: Units,
     #[command(flatten)]
     forces: ForceOptions,
     #[command(flatten)]
@@ -58,6 +62,9 @@ struct Found {
     ratios: Vec<OptimalRatioRow>,
     costs: Vec<CostRow>,
 }
+
+/// theta unless another is asked for.
+const USUAL_THETA: f64 = 0.5;
 
 /// beta_s of a contact so stiff that only the ratio limits the step.
 const STIFF: f64 = 1e6;
@@ -124,7 +131,7 @@ fn compute(options: &Options, models: &[Vec<Arc<AnyModel>>], output: &Output) ->
     let theta = options.theta;
     let mut jobs = Vec::new();
     for model in models.iter().flatten() {
-        jobs.extend(figures(model)?.into_iter().map(|job| (model, job)));
+        jobs.extend(figures(model, &words(options))?.into_iter().map(|job| (model, job)));
     }
     jobs.iter().try_for_each(|(_, job)| job.check())?;
     let points = jobs.iter().map(|(model, job)| job.points() * limits(job, model).count()).sum();
@@ -134,15 +141,18 @@ fn compute(options: &Options, models: &[Vec<Arc<AnyModel>>], output: &Output) ->
         let rows = solve(job, model, theta, &progress)?;
         files += output.write_rows(&job.stem, &rows.concat())?.len();
         if output.wants_figures() {
-            files += draw(job, model, &rows, theta, output)?;
+            files += draw(job, model, &rows, options, output)?;
         }
         printed.extend(rows.concat());
     }
     for models in models {
-        files += costs(models, theta, output, &progress)?;
+        files += costs(models, options, output, &progress)?;
     }
     drop(progress);
-    let ratios = optimal_ratios(models, theta, output, &mut files)?;
+    let mut ratios = Vec::new();
+    for models in models {
+        ratios.extend(optimal_ratios(models, options, output, &mut files)?);
+    }
     Ok((Found { rows: printed, ratios, ..Found::default() }, files))
 }
 
@@ -196,12 +206,19 @@ fn settings(limit: Limit, theta: f64) -> LimitOptions {
     LimitOptions { theta, ..LimitOptions::of(limit) }
 }
 
+/// What file names say of options that are not the usual ones.
+fn words(options: &Options) -> String {
+    let theta = (options.theta != USUAL_THETA).then(|| format!("theta{}", options.theta));
+    question(options.scene.words().into_iter().chain([theta]))
+}
+
 /// Fig. 3 and the map of one model.
-fn figures(model: &Arc<AnyModel>) -> Result<Vec<Job>> {
+fn figures(model: &Arc<AnyModel>, words: &str) -> Result<Vec<Job>> {
     let ratios = Sweep::list([0.25, 1.0, 2.0, 3.0, f64::INFINITY]);
-    let curves = Job::new(stem("fig3", model), vec![model.clone()], Sweep::linear(0.0, 10.0, 401)?, ratios)?;
+    let curves =
+        Job::new(stem("fig3", model) + words, vec![model.clone()], Sweep::linear(0.0, 10.0, 401)?, ratios)?;
     let (beta_s, ratio) = (Sweep::log(1e-2, 1e6, 161)?, Sweep::log(0.05, 1e2, 97)?);
-    Ok(vec![curves, Job::new(stem("map", model), vec![model.clone()], beta_s, ratio)?])
+    Ok(vec![curves, Job::new(stem("map", model) + words, vec![model.clone()], beta_s, ratio)?])
 }
 
 /// The rows of the limits, one panel each.
@@ -223,23 +240,31 @@ fn draw(
     job: &Job,
     model: &AnyModel,
     rows: &[Vec<StabilityRow>],
-    theta: f64,
+    options: &Options,
     output: &Output,
 ) -> Result<usize> {
+    let mut lines = Vec::new();
     let figure = if job.chart == Chart::Map {
         let panels = limits(job, model).zip(rows);
-        let lines =
-            panels.map(|(limit, rows)| job.lines_of(model, rows, &settings(limit, theta), output.levels()));
-        charts::map(rows, &lines.collect::<Result<Vec<_>, Refusal>>()?)
+        let line = |(limit, rows): (Limit, &Vec<StabilityRow>)| {
+            job.lines_of(model, rows, &settings(limit, options.theta), output.levels())
+        };
+        lines = panels.map(line).collect::<Result<Vec<_>, Refusal>>()?;
+        charts::map(rows, &lines)
     } else {
         charts::curves(format!("{}.csv", job.stem).as_str(), rows, false)
     };
-    Ok(output.write_figure(&job.stem, &charts::titled_by_limit(figure, rows))?.len())
+    let mut figure = charts::titled_by_limit(figure, rows);
+    if options.units == Units::Si {
+        figure = charts::in_si(figure, rows, &lines);
+    }
+    Ok(output.write_figure(&job.stem, &figure)?.len())
 }
 
 /// The step that each ratio costs under a stiff contact, for the mass matrices of one scene and every limit but the
 /// spectrum's.
-fn costs(models: &[Arc<AnyModel>], theta: f64, output: &Output, progress: &Progress) -> Result<usize> {
+fn costs(models: &[Arc<AnyModel>], options: &Options, output: &Output, progress: &Progress) -> Result<usize> {
+    let theta = options.theta;
     let mut rows = Vec::new();
     for model in models {
         let (beta_s, ratio) = (Sweep::list([0.0, STIFF]), Sweep::log(1e-2, 1e2, 121)?);
@@ -247,7 +272,7 @@ fn costs(models: &[Arc<AnyModel>], theta: f64, output: &Output, progress: &Progr
         rows.push(solve(&job, model, theta, progress)?.split_off(1));
     }
     let Some(first) = models.first() else { return Ok(0) };
-    let stem = format!("cost-{}", first.name());
+    let stem = format!("cost-{}{}", first.name(), words_of_all(options));
     let mut files =
         output.write_rows(&stem, &rows.iter().flatten().flatten().cloned().collect::<Vec<_>>())?.len();
     if output.wants_figures() {
@@ -256,26 +281,34 @@ fn costs(models: &[Arc<AnyModel>], theta: f64, output: &Output, progress: &Progr
     Ok(files)
 }
 
-/// The largest ratio without cost to each scheme over beta_s.
+/// The same for files that hold every mass matrix.
+fn words_of_all(options: &Options) -> String {
+    question([options.scene.mass_word()]) + &words(options)
+}
+
+/// The largest ratio without cost to each scheme over beta_s, for the mass matrices of one scene.
 fn optimal_ratios(
-    models: &[Vec<Arc<AnyModel>>],
-    theta: f64,
+    models: &[Arc<AnyModel>],
+    options: &Options,
     output: &Output,
     files: &mut usize,
 ) -> Result<Vec<OptimalRatioRow>> {
     let mut found = Vec::new();
     for scheme in [Limit::PredictorCorrector, Limit::Park] {
-        let served = models.iter().flatten().filter(|model| serves(model, scheme));
-        let rows = served.map(|model| ratios_of(model, scheme, theta)).collect::<Result<Vec<_>>>()?;
+        let served = models.iter().filter(|model| serves(model, scheme));
+        let rows = served.map(|model| ratios_of(model, scheme, options.theta)).collect::<Result<Vec<_>>>()?;
         if rows.is_empty() {
             continue;
         }
-        let stem = format!("optimal-ratio-{}", scheme.name());
+        let stem = format!("optimal-ratio-{}-{}{}", models[0].name(), scheme.name(), words_of_all(options));
         *files += output.write_rows(&stem, &rows.concat())?.len();
         // Where every ratio costs a step, as with the Park scheme, there is nothing to draw.
-        if let Some(figure) =
+        if let Some(mut figure) =
             charts::optimal_ratio(&format!("{stem}.csv"), &rows, true).filter(|_| output.wants_figures())
         {
+            if options.units == Units::Si {
+                figure = charts::stiffness_in_si(figure, &rows);
+            }
             *files += output.write_figure(&stem, &figure)?.len();
         }
         found.extend(rows.concat());
@@ -286,9 +319,10 @@ fn optimal_ratios(
 fn ratios_of(model: &AnyModel, limit: Limit, theta: f64) -> Result<Vec<OptimalRatioRow>> {
     let (asking, subject) = (settings(limit, theta).asking()?, Subject::of(model)?);
     let beta_s = Sweep::log(1e-1, 1e6, 141)?.values;
+    let free = model.contact_free(&asking)?.step.ok().map(|step| subject.seconds(step.lower));
     let found = model.optimal_ratios(&beta_s, &asking, &|_| ())?;
     let row = |(beta_s, (found, expected)): (&f64, _)| {
-        OptimalRatioRow::new(&subject, limit.name(), *beta_s, found, expected)
+        OptimalRatioRow::new(&subject, limit.name(), *beta_s, found, expected, free)
     };
     Ok(beta_s.iter().zip(found).map(row).collect())
 }

@@ -11,7 +11,7 @@ use analyses::charts;
 use analyses::cli::{
     Analysis, Chart, FEW_POINTS, Format, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress,
     RatioSpec, SceneOptions, Solved, Units, Verdict, check_stems, governing_answer, hold_step, narrate,
-    paper, point_answers, print_summaries, redraw_stability, step_and_cost,
+    paper, penalties_of, point_answers, print_summaries, question, redraw_stability, step_and_cost,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{StabilityRow, StepRow, Subject};
@@ -279,7 +279,7 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         if options.output.style.overlay { overlaid(jobs)? } else { jobs }
     };
     jobs.iter().flat_map(|job| &job.models).try_for_each(|model| options.limit.check(model))?;
-    let jobs = named_by_limit(jobs, options)?;
+    let jobs = named_by_question(jobs, options)?;
     if options.output.format.contains(&Format::Vtu) {
         jobs.iter().try_for_each(|job| check_modes(job, &options.limit))?;
     }
@@ -287,27 +287,18 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
     Ok(jobs)
 }
 
-/// The charts of the paper keep their files: those of another limit have its name in theirs.
-fn named_by_limit(mut jobs: Vec<Job>, options: &Options) -> Result<Vec<Job>, Refusal> {
-    if options.scene.scenes.is_empty() && !options.limit.asking()?.limit.is_spectrum() {
-        let name = options.limit.name()?;
-        jobs.iter_mut().for_each(|job| job.stem = format!("{}-{name}", job.stem));
-    }
+/// The charts of the paper keep their files: those of another limit, mesh or penalty have it in their names.
+fn named_by_question(mut jobs: Vec<Job>, options: &Options) -> Result<Vec<Job>, Refusal> {
+    let words = question(options.scene.words().into_iter().chain(options.limit.words()?));
+    jobs.iter_mut().for_each(|job| job.stem += &words);
     Ok(jobs)
 }
 
 /// beta_s as asked for: of a stiffness in N/m, divided by the smallest scale of the contacts.
 fn penalties(options: &Options, model: &AnyModel) -> Result<Option<Sweep>, Refusal> {
-    match (&options.stiffness, model.smallest_scale()) {
-        (None, _) => Ok(options.beta_s.clone()),
-        (Some(stiffness), Some(scale)) => {
-            let values = stiffness.values.iter().map(|s| s / scale).collect();
-            Ok(Some(Sweep { values, log: stiffness.log }))
-        }
-        (Some(_), None) => {
-            let value = format!("given with scene {}", model.name());
-            Err(Refusal::new("--stiffness", value, "a scene with at least one contact"))
-        }
+    match &options.stiffness {
+        None => Ok(options.beta_s.clone()),
+        Some(stiffness) => penalties_of(stiffness, model).map(Some),
     }
 }
 

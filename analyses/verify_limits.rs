@@ -13,8 +13,8 @@ use std::sync::Arc;
 use analyses::charts::verification;
 use analyses::cli::{
     Analysis, Contact, OpeningOptions, OpeningPlan, OpeningResult, Output, OutputOptions, Progress,
-    SceneOptions, Verdict, check_stems, checked_grid, narrate, print_reasons, print_verification,
-    require_memory,
+    SceneOptions, Verdict, axis_word, check_stems, checked_grid, narrate, penalties_of, print_reasons,
+    print_verification, question, require_memory,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{GIVEN, StabilityRow, Subject, VerifyRow};
@@ -39,6 +39,10 @@ struct Options {
     /// opening contact: 1,10,100,1e4]
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
     beta_s: Option<Sweep>,
+    /// Stiffness penalties s in N/m, in the same forms, instead of beta_s, with contact held closed: s of the contact of
+    /// smallest scale
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, conflicts_with = "beta_s")]
+    stiffness: Option<Sweep>,
     /// Penalty ratios r, in the same forms; inf is the pure penalty method [default: 0.5,1,2,3,inf, opening contact:
     /// 0.125,0.25,0.5,1,2,4,inf]
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
@@ -127,7 +131,7 @@ impl Analysis for Options {
                 let progress = Progress::new(plan.len(), "runs", self.output.quiet);
                 let result = plan.measure(&progress)?;
                 drop(progress);
-                files += result.write(output)?;
+                files += result.write(output, &opening_words(self))?;
                 Some((plan, result))
             }
         };
@@ -167,6 +171,9 @@ fn check_used(options: &Options) -> Result<(), Refusal> {
     if let Some(tolerance) = options.tolerance.filter(|_| !wants(options, Contact::Closed)) {
         return Err(Refusal::new("--tolerance", tolerance, "no tolerance without --contact closed"));
     }
+    if options.stiffness.is_some() && wants(options, Contact::Opening) {
+        return Err(Refusal::new("--stiffness", "given with --contact opening", "--beta-s"));
+    }
     if options.opening.fraction.is_some() && !wants(options, Contact::Opening) {
         return Err(Refusal::new("--fraction", "given", "no fraction without --contact opening"));
     }
@@ -179,8 +186,32 @@ fn axes(options: &Options, contact: Contact) -> Result<(Sweep, Sweep)> {
         Contact::Closed => ("lin:0:10:11", "0.5,1,2,3,inf"),
         Contact::Opening => ("1,10,100,1e4", "0.125,0.25,0.5,1,2,4,inf"),
     };
-    let beta_s = options.beta_s.clone().map_or_else(|| beta_s.parse(), Ok)?;
+    let given = options.stiffness.as_ref().or(options.beta_s.as_ref());
+    let beta_s = given.cloned().map_or_else(|| beta_s.parse(), Ok)?;
     Ok((beta_s, options.ratio.clone().map_or_else(|| ratio.parse(), Ok)?))
+}
+
+/// The penalties of one model with contact held closed, as beta_s.
+fn axes_of(options: &Options, model: &AnyModel) -> Result<(Sweep, Sweep)> {
+    let (beta_s, ratio) = axes(options, Contact::Closed)?;
+    Ok(match &options.stiffness {
+        Some(stiffness) => (penalties_of(stiffness, model)?, ratio),
+        None => (beta_s, ratio),
+    })
+}
+
+/// What file names say of the options that were given.
+fn words(options: &Options) -> String {
+    let axis = |name: &str, axis: &Option<Sweep>| axis.as_ref().map(|axis| axis_word(name, axis));
+    let number = |name: &str, value: Option<f64>| value.map(|value| format!("{name}{value}"));
+    let given = [
+        axis("beta", &options.beta_s),
+        axis("s", &options.stiffness),
+        axis("r", &options.ratio),
+        number("theta", options.theta),
+        number("to", options.tolerance),
+    ];
+    question(options.scene.words().into_iter().chain(given))
 }
 
 /// The built-in bars called `names` with `elements`, or as many as were asked for.
@@ -191,6 +222,19 @@ fn usual(options: &Options, names: [&str; 2], elements: Option<usize>) -> Result
         Ok(elements.map_or(Ok(scene.clone()), |elements| scene.with_elements(elements))?)
     };
     names.into_iter().map(built_in).collect()
+}
+
+/// The same for contact that opens and closes: for files of all scenes, and for those of one scene and mass matrix.
+fn opening_words(options: &Options) -> [String; 2] {
+    let fraction = options.opening.fraction.as_ref().map(|fraction| axis_word("fraction", fraction));
+    let schemes = (options.scheme.len() < SchemeName::ALL.len())
+        .then(|| options.scheme.iter().map(|scheme| scheme.name()).collect::<Vec<_>>().join("-"));
+    let each = words(options) + &question([fraction, schemes]);
+    let scenes =
+        options.scene.scenes.iter().map(|scene| {
+            std::path::Path::new(scene).file_stem().map(|stem| stem.to_string_lossy().into_owned())
+        });
+    [question(scenes.chain([options.scene.mass_word()])) + &each, each]
 }
 
 /// Every scheme below its limits in the impacts of the paper, or in the scenes that were asked for.
@@ -222,7 +266,7 @@ impl Study {
         let (beta_s, ratio) = axes(options, Contact::Closed)?;
         let grid = checked_grid(&beta_s, &ratio)?;
         require_memory(&grid, BYTES_PER_CASE)?;
-        let jobs = plan(options, &grid)?;
+        let jobs = plan(options)?;
         Ok(Self { beta_s, ratio, grid, jobs })
     }
 
@@ -239,14 +283,15 @@ impl Study {
             progress.doing(&job.stem);
             let mut rows = Vec::new();
             for model in &job.models {
-                let (measured, missing) = measure(model, job, &self.grid, &progress)?;
+                let (beta_s, ratio) = axes_of(options, model)?;
+                let (measured, missing) = measure(model, job, &Grid::new(&beta_s, &ratio)?, &progress)?;
                 rows.push(measured);
                 reasons.extend(missing.into_iter().map(|why| format!("{}: {why}", job.stem)));
             }
             files += output.write_rows(&job.stem, &rows.concat())?.len();
             if output.wants_figures() && is_drawn(&self.grid) {
                 let predicted: Result<Option<Vec<_>>> =
-                    job.models.iter().map(|model| self.prediction(model, job)).collect();
+                    job.models.iter().map(|model| self.prediction(model, job, options)).collect();
                 // Without curves there is nothing to mark the points on: the records hold them.
                 if let Some(predicted) = predicted? {
                     let figure = verification::limits(&predicted, &rows, self.beta_s.log);
@@ -263,8 +308,14 @@ impl Study {
     }
 
     /// The predicted curves, finer than the measured points; `None` where there is no prediction.
-    fn prediction(&self, model: &AnyModel, job: &Job) -> Result<Option<Vec<StabilityRow>>> {
-        let ends = || self.beta_s.values.iter().copied();
+    fn prediction(
+        &self,
+        model: &AnyModel,
+        job: &Job,
+        options: &Options,
+    ) -> Result<Option<Vec<StabilityRow>>> {
+        let (beta_s, _) = axes_of(options, model)?;
+        let ends = || beta_s.values.iter().copied();
         let (low, high) = (ends().fold(f64::INFINITY, f64::min), ends().fold(0.0, f64::max));
         let fine = if self.beta_s.log { Sweep::log(low, high, 201)? } else { Sweep::linear(low, high, 201)? };
         let grid = Grid::new(&fine, &self.ratio)?;
@@ -275,13 +326,13 @@ impl Study {
 }
 
 /// Fig. 3 of the paper for every mass matrix, or the scenes that were asked for.
-fn plan(options: &Options, grid: &Grid) -> Result<Vec<Job>> {
+fn plan(options: &Options) -> Result<Vec<Job>> {
     let scenes = match options.scene.scenes[..] {
         [] => usual(options, ["signorini", "symmetric"], Some(1))?.into_iter().map(AnyScene::Bars).collect(),
         _ => options.scene.scenes()?,
     };
     let models: Vec<_> = scenes.iter().map(|scene| options.scene.models(scene)).collect::<Result<_>>()?;
-    let jobs = options.scheme.iter().map(|scheme| jobs_of(options, *scheme, &models, grid));
+    let jobs = options.scheme.iter().map(|scheme| jobs_of(options, *scheme, &models));
     let jobs = jobs.collect::<Result<Vec<_>>>()?.concat();
     check_stems(&options.output, scenes.iter().map(|scene| scene.name().to_owned()))?;
     check_stems(&options.output, jobs.iter().map(|job| job.stem.clone()))?;
@@ -289,12 +340,7 @@ fn plan(options: &Options, grid: &Grid) -> Result<Vec<Job>> {
 }
 
 /// One figure for each mass matrix with one scheme: the models that have it side by side.
-fn jobs_of(
-    options: &Options,
-    scheme: SchemeName,
-    models: &[Vec<Arc<AnyModel>>],
-    grid: &Grid,
-) -> Result<Vec<Job>> {
+fn jobs_of(options: &Options, scheme: SchemeName, models: &[Vec<Arc<AnyModel>>]) -> Result<Vec<Job>> {
     let usual = if scheme == SchemeName::CentralDifference { 1e-6 } else { 1e-4 };
     let (theta, tolerance) = (options.theta.unwrap_or(0.5), options.tolerance.unwrap_or(usual));
     let name = scheme.name();
@@ -303,12 +349,17 @@ fn jobs_of(
     let job = |i: usize| {
         let models: Vec<_> = models.iter().filter_map(|models| models.get(i)).cloned().collect();
         for model in &models {
-            model.check_grid(grid)?;
+            let (beta_s, ratio) = axes_of(options, model)?;
+            model.check_grid(&checked_grid(&beta_s, &ratio)?)?;
             check_any(model, &*scheme, &search)?;
         }
         let names: Vec<&str> = models.iter().map(|model| model.name()).collect();
         let mass = models.iter().find_map(|model| model.mass()).map_or(GIVEN.to_owned(), |mass| mass.name());
-        let stem = format!("{}-{mass}-{name}", names.join("-"));
+        // The pair of Fig. 3 by its own name, whatever it is meshed with, must not pass for the one of single elements.
+        let meshed = !options.scene.scenes.is_empty() && models.len() > 1 && options.scene.elements.is_none();
+        let elements: usize = models.iter().filter_map(|model| model.elements()).sum();
+        let meshed = if meshed { format!("-of{elements}") } else { String::new() };
+        let stem = format!("{}-{mass}-{name}{meshed}{}", names.join("-"), words(options));
         Ok(Job { stem, models, scheme: scheme.clone(), tolerance })
     };
     (0..models.iter().map(Vec::len).max().unwrap_or(0)).map(job).collect()
@@ -331,7 +382,7 @@ fn measure(
         };
         let confirmation = confirm_any(model, &*job.scheme, point, job.tolerance, predicted)?;
         progress.add(1);
-        Ok((VerifyRow::new(model, &*job.scheme, point, &confirmation), reason))
+        Ok((VerifyRow::new(model, &*job.scheme, point, &confirmation)?, reason))
     };
     let found: Vec<_> = points.into_par_iter().map(row).collect::<Result<_>>()?;
     let (rows, reasons): (Vec<_>, Vec<_>) = found.into_iter().unzip();

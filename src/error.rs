@@ -19,6 +19,29 @@ impl Refusal {
     pub fn new(place: impl Into<String>, value: impl ToString, allowed: impl Into<String>) -> Self {
         Self { place: place.into(), value: value.to_string(), allowed: allowed.into() }
     }
+
+    /// The same refusal with the one of `known` that `word` may have been meant for, if there is any.
+    pub fn suggesting<'a>(mut self, word: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+        if let Some(meant) = nearest(word, known) {
+            self.allowed += &format!("; did you mean {meant}?");
+        }
+        self
+    }
+}
+
+/// The one of `known` nearest to `word` if they differ by slips of the hand: at most one for each three letters typed.
+pub(crate) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let slips = |name: &&str| strsim::damerau_levenshtein(word, name);
+    let nearest = known.into_iter().min_by_key(slips)?;
+    (slips(&nearest) <= word.chars().count().div_ceil(3)).then_some(nearest)
+}
+
+/// What the operating system said of a file, as a user would.
+pub fn reason(source: &std::io::Error) -> String {
+    match source.kind() {
+        std::io::ErrorKind::NotFound => "not found".to_owned(),
+        _ => source.to_string(),
+    }
 }
 
 /// What can go wrong in this crate.
@@ -38,7 +61,7 @@ pub enum Error {
         message: String,
     },
     /// A file could not be read or written.
-    #[error("{path}: {source}; allowed: a path that can be {wanted}")]
+    #[error("{path}: {}; allowed: a path that can be {wanted}", reason(source))]
     File {
         /// The path as the user named it.
         path: PathBuf,
@@ -46,6 +69,14 @@ pub enum Error {
         wanted: &'static str,
         /// What the operating system said.
         source: std::io::Error,
+    },
+    /// A scene that is neither built in nor a file.
+    #[error("{argument}: not found; allowed: {allowed}")]
+    NotFound {
+        /// What the user named.
+        argument: String,
+        /// The names that are built in, and what may have been meant.
+        allowed: String,
     },
     /// A limit that could not be enclosed closely enough.
     #[error("{message}")]

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 pub use bipenalty::error::Refusal;
+use bipenalty::error::reason;
 
 /// What can go wrong in a tool.
 #[derive(Debug, thiserror::Error)]
@@ -11,7 +12,7 @@ pub enum Error {
     #[error(transparent)]
     Library(#[from] bipenalty::error::Error),
     /// A file could not be read or written.
-    #[error("{path}: {source}; allowed: a path that can be {wanted}")]
+    #[error("{path}: {}; allowed: a path that can be {wanted}", reason(source))]
     File {
         /// The path as the user named it.
         path: PathBuf,

@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::{check, reader};
 use crate::error::{Refusal, Result};
 use crate::pencil::Matrix;
-use crate::scene::{in_file, line_of};
+use crate::scene::{in_file, line_of, name_of};
 use crate::sparse::{Csr, SparseVector, gap_scale};
 
 /// What r = 1 refers to.
@@ -101,7 +101,7 @@ fn symmetric(name: &str, matrix: Csr, size: usize) -> Result<Csr, Refusal> {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneText {
-    name: Spanned<String>,
+    name: Option<Spanned<String>>,
     matrices: MatricesText,
 }
 
@@ -130,11 +130,7 @@ impl MatrixScene {
     pub fn parse(text: &str, path: &str) -> Result<Self> {
         let raw: SceneText = toml::from_str(text).map_err(|error| in_file(&error, text, path))?;
         let place = |key: &str, at: usize| format!("{path}, line {}, {key}", line_of(text, at));
-        let name = raw.name.get_ref();
-        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_')) {
-            let place = place("name", raw.name.span().start);
-            return Err(Refusal::new(place, format!("{name:?}"), "letters, digits, '-' and '_'").into());
-        }
+        let name = name_of(raw.name.as_ref(), text, path)?;
         let reference = match raw.matrices.reference.as_ref().map(|r| (r.get_ref(), r.span().start)) {
             None => Reference::Mesh,
             Some((ReferenceText::Word(word), _)) if word == "mesh" => Reference::Mesh,

@@ -13,12 +13,12 @@ use super::element::{Coordinates, Kind};
 use super::scene::{BodySource, MeshImpact, MeshScene, MeshSource, Opponent, SurfaceName};
 use super::structured::{Cuboid, SIDES};
 use crate::error::{Refusal, Result};
-use crate::scene::{in_file, line_of};
+use crate::scene::{in_file, line_of, name_of};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneText {
-    name: Spanned<String>,
+    name: Option<Spanned<String>>,
     dimension: Spanned<usize>,
     plane: Option<Spanned<Plane>>,
     body: Vec<Spanned<BodyText>>,
@@ -122,12 +122,7 @@ pub(super) fn parse(text: &str, path: &str) -> Result<MeshScene> {
     if !(2..=3).contains(&source.dimension) {
         return Err(source.refuse("dimension", &raw.dimension, source.dimension, "2 or 3").into());
     }
-    let name = raw.name.get_ref();
-    if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_')) {
-        return Err(source
-            .refuse("name", &raw.name, format!("{name:?}"), "letters, digits, '-' and '_'")
-            .into());
-    }
+    let name = name_of(raw.name.as_ref(), text, path)?;
     let plane = match (&raw.plane, source.dimension) {
         (Some(plane), 3) => {
             return Err(source
@@ -151,7 +146,7 @@ pub(super) fn parse(text: &str, path: &str) -> Result<MeshScene> {
     }
     for (i, text) in raw.body.iter().enumerate() {
         if bodies[..i].iter().any(|other| other.name == bodies[i].name) {
-            let key = format!("body[{i}].name");
+            let key = format!("body {}, name", i + 1);
             let value = format!("{:?}, again", bodies[i].name);
             return Err(source.refuse(&key, &text.get_ref().name, value, "a name of its own").into());
         }
@@ -171,7 +166,7 @@ pub(super) fn parse(text: &str, path: &str) -> Result<MeshScene> {
 
 fn body(source: &Source, i: usize, text: &Spanned<BodyText>) -> Result<BodySource, Refusal> {
     let values = text.get_ref();
-    let key = |name: &str| format!("body[{i}].{name}");
+    let key = |name: &str| format!("body {}, {name}", i + 1);
     let name = values.name.get_ref();
     if name.is_empty() || name == "wall" || name.contains(['.', '\n']) {
         let allowed = "a name without '.', not \"wall\"";
@@ -218,20 +213,20 @@ fn body(source: &Source, i: usize, text: &Spanned<BodyText>) -> Result<BodySourc
         }
         (first, _) => {
             let value = if first.is_some() { "box and mesh" } else { "neither box nor mesh" };
-            return Err(source.refuse(&format!("body[{i}]"), text, value, "one of box and mesh"));
+            return Err(source.refuse(&format!("body {}", i + 1), text, value, "one of box and mesh"));
         }
     };
     let place = match (&values.mesh, &values.cells) {
         (Some(file), _) => source.place(&key("mesh"), file),
         (None, Some(cells)) => source.place(&key("cells"), cells),
-        (None, None) => source.place(&format!("body[{i}]"), text),
+        (None, None) => source.place(&format!("body {}", i + 1), text),
     };
     Ok(BodySource { name: name.clone(), mesh, material, velocity, place })
 }
 
 fn cuboid(source: &Source, i: usize, text: &Spanned<BodyText>) -> Result<Cuboid, Refusal> {
     let values = text.get_ref();
-    let key = |name: &str| format!("body[{i}].{name}");
+    let key = |name: &str| format!("body {}, {name}", i + 1);
     let size = source.vector(&key("box"), values.r#box.as_ref(), "finite numbers above 0", |x| x > 0.0)?;
     let origin = source.vector(&key("origin"), values.origin.as_ref(), "finite numbers", |_| true)?;
     let missing = |name: &str| source.refuse(&key(name), text, "nothing", "a value, beside box");
@@ -284,7 +279,7 @@ fn contact(
     text: &ContactText,
     bodies: &[BodySource],
 ) -> Result<(SurfaceName, Opponent), Refusal> {
-    let place = source.place(&format!("contact[{i}].surfaces"), &text.surfaces);
+    let place = source.place(&format!("contact {}, surfaces", i + 1), &text.surfaces);
     let [first, second] = text.surfaces.get_ref();
     let own = surface(source, &place, first, bodies)?;
     if second == "wall" {
@@ -323,7 +318,7 @@ fn hold(
     text: &HoldText,
     bodies: &[BodySource],
 ) -> Result<(SurfaceName, Vec<usize>), Refusal> {
-    let place = source.place(&format!("hold[{i}].surface"), &text.surface);
+    let place = source.place(&format!("hold {}, surface", i + 1), &text.surface);
     let surface = surface(source, &place, text.surface.get_ref(), bodies)?;
     let axes = &["x", "y", "z"][..source.dimension];
     let axis = |name: &String| axes.iter().position(|axis| axis == name);
@@ -331,7 +326,7 @@ fn hold(
     match directions {
         Some(directions) if !directions.is_empty() => Ok((surface, directions)),
         _ => {
-            let key = format!("hold[{i}].directions");
+            let key = format!("hold {}, directions", i + 1);
             let allowed = format!("some of {axes:?}");
             Err(source.refuse(&key, &text.directions, format!("{:?}", text.directions.get_ref()), &allowed))
         }

@@ -10,7 +10,7 @@
 //! assert_eq!((scene.elements(), scene.contact_sites().len()), (10, 1));
 //! // What has no meaning is refused with its place, its value and what is allowed.
 //! let wrong = Scene::new("rod", End::Free, vec![Bar { density: -1.0, ..bar }], End::Free, None).unwrap_err();
-//! assert_eq!(wrong.place, "scene rod, bar[0].density");
+//! assert_eq!(wrong.place, "scene rod, bar 1, density");
 //! assert_eq!(load("hunek")?.bars().len(), 2); // built in; a path reads a TOML file
 //! # Ok::<(), bipenalty::error::Error>(())
 //! ```
@@ -19,7 +19,7 @@ mod builtin;
 mod file;
 
 pub use builtin::{BUILT_IN, built_in};
-pub(crate) use file::{in_file, line_of, read};
+pub(crate) use file::{in_file, line_of, name_of, read};
 pub use file::{load, parse};
 
 use crate::error::Refusal;
@@ -133,7 +133,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The checks of [`Scene::new`]; `place` turns a key such as `bar[1].length` into what the user knows it by.
+    /// The checks of [`Scene::new`]; `place` turns a key such as `bar 2, length` into what the user knows it by.
     fn check(&self, place: &dyn Fn(&str) -> String) -> Result<(), Refusal> {
         let legal = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
         if self.name.is_empty() || !self.name.chars().all(legal) {
@@ -147,7 +147,7 @@ impl Scene {
             return Err(Refusal::new(place("bar"), "no bar", "at least one [[bar]]"));
         }
         for (i, bar) in self.bars.iter().enumerate() {
-            check_bar(bar, &|key| place(&format!("bar[{i}].{key}")))?;
+            check_bar(bar, &|key| place(&format!("bar {}, {key}", i + 1)))?;
         }
         if self.bars.len() == 1
             && self.bars[0].elements == 1
@@ -155,7 +155,7 @@ impl Scene {
             && self.right == End::Fixed
         {
             return Err(Refusal::new(
-                place("bar[0].elements"),
+                place("bar 1, elements"),
                 "1 between two fixed ends",
                 "at least 2, so that a node can move",
             ));

@@ -72,9 +72,9 @@ impl FromStr for EngineName {
         let found = Self::ALL.iter().find(|(name, _)| *name == text);
         let names: Vec<_> = Self::ALL.iter().map(|(name, _)| *name).collect();
         let hint = if text == "lapack" { " (lapack needs a build with --features lapack)" } else { "" };
-        found
-            .map(|(_, engine)| *engine)
-            .ok_or_else(|| Refusal::new("engine", format!("{text:?}"), names.join(", ") + hint))
+        found.map(|(_, engine)| *engine).ok_or_else(|| {
+            Refusal::new("engine", format!("{text:?}"), names.join(", ") + hint).suggesting(text, names)
+        })
     }
 }
 

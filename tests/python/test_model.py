@@ -52,7 +52,7 @@ def test_scene_from_name_path_and_text(tmp_path):
     [
         (lambda m: bp.Model.from_scene("nowhere"), ["SCENE", "nowhere", "signorini"]),
         (lambda m: bp.Model.from_scene(BAR.replace("area", "surface")), ["line 10", "surface"]),
-        (lambda m: bp.Model.from_scene(BAR.replace("80", "-8")), ["bar[0].elements", "-8"]),
+        (lambda m: bp.Model.from_scene(BAR.replace("80", "-8")), ["bar 1, elements", "-8"]),
         (lambda m: bp.Model.from_scene("hunek", mass="heavy"), ["mass", "heavy", "lumped"]),
         (lambda m: bp.Model.from_scene("hunek", mass=1.5), ["gamma", "1.5", "[0, 1]"]),
         (lambda m: bp.Model.from_scene("hunek", elements=0), ["elements", "0"]),

@@ -158,15 +158,15 @@ fn scene_refused(broken: &str, words: &[&str]) {
 
 #[test]
 fn a_wrong_value_in_a_scene_is_refused() {
-    scene_refused("length = -1.0", &["bar[0].length", "-1", "a positive finite number (m)"]);
-    scene_refused("length = 0.0", &["bar[0].length", "0", "a positive finite number (m)"]);
-    scene_refused("density = nan", &["bar[0].density", "NaN", "a positive finite number (kg/m^3)"]);
-    scene_refused("area = inf", &["bar[0].area", "inf", "a positive finite number (m^2)"]);
-    scene_refused("velocity = inf", &["bar[0].velocity", "inf", "a finite number (m/s)"]);
-    scene_refused("elements = 0", &["bar[0].elements", "0", "an integer"]);
-    scene_refused("elements = -7", &["bar[0].elements", "-7", "an integer"]);
+    scene_refused("length = -1.0", &["bar 1, length", "-1", "a positive finite number (m)"]);
+    scene_refused("length = 0.0", &["bar 1, length", "0", "a positive finite number (m)"]);
+    scene_refused("density = nan", &["bar 1, density", "NaN", "a positive finite number (kg/m^3)"]);
+    scene_refused("area = inf", &["bar 1, area", "inf", "a positive finite number (m^2)"]);
+    scene_refused("velocity = inf", &["bar 1, velocity", "inf", "a finite number (m/s)"]);
+    scene_refused("elements = 0", &["bar 1, elements", "0", "an integer"]);
+    scene_refused("elements = -7", &["bar 1, elements", "-7", "an integer"]);
     scene_refused("elements = 2.5", &["elements", "2.5", "an integer"]);
-    scene_refused("elements = 1000000000000", &["bar[0].elements", "1000000000000", "from 1 to 100000000"]);
+    scene_refused("elements = 1000000000000", &["bar 1, elements", "1000000000000", "from 1 to 100000000"]);
     scene_refused("youngs_modulus = \"stiff\"", &["youngs_modulus", "stiff", "a number"]);
     scene_refused("colour = 3", &["unknown field `colour`", "`length`", "`elements`"]);
     scene_refused("length = 1.0\nlength = 2.0", &["duplicate key", "length = 2.0"]);
@@ -187,7 +187,7 @@ fn a_wrong_scene_is_refused() {
     bad(scene("bars", "", &[]), &["without any of its tables", "[[bar]], [matrices] and [[body]]"]);
     bad("name = \"bars\"\nbar = []\n".to_owned(), &["no bar", "at least one"]);
     let fixed = "left = \"fixed\"\nright = \"fixed\"";
-    bad(scene("bars", fixed, &["elements = 1"]), &["bar[0].elements", "two fixed ends", "at least 2"]);
+    bad(scene("bars", fixed, &["elements = 1"]), &["bar 1, elements", "two fixed ends", "at least 2"]);
     bad("name = \"bars\n".to_owned(), &["name = \"bars"]);
     let gaps = "[impact]\nduration = 1.0\ngaps = [0.0, 1.0]\n";
     bad(scene("bars", "", &["area = 1.0"]) + gaps, &["impact.gaps", "2 values", "here 0"]);

@@ -16,4 +16,4 @@ pub use forces::per_force;
 pub use levels::{ContourLines, Level, interpolated_contours, levels};
 pub use maps::{costs, curves, is_logarithmic, map, mass_family, titled_by_limit};
 pub use optimal::optimal_ratio;
-pub use units::in_si;
+pub use units::{in_si, stiffness_in_si};

@@ -2,7 +2,7 @@
 
 use super::levels::ContourLines;
 use super::maps::number;
-use crate::record::StabilityRow;
+use crate::record::{OptimalRatioRow, StabilityRow};
 use figure::{At, Axis, Figure, Layer, Panel};
 
 const STIFFNESS: &str = "penalty stiffness *s* (N/m)";
@@ -37,6 +37,31 @@ pub fn in_si(mut figure: Figure, models: &[Vec<StabilityRow>], contours: &[Conto
         bar.axis = Axis { range: None, ..Axis::log(STEP) };
     }
     shared(&mut figure.panels);
+    figure
+}
+
+/// A figure of ratios over beta_s with its abscissa in N/m; `models` are the rows of its curves, whose contacts are to agree in
+/// scale. Left as it is where they do not.
+pub fn stiffness_in_si(mut figure: Figure, models: &[Vec<OptimalRatioRow>]) -> Figure {
+    let rows = || models.iter().flatten().filter(|row| row.stiffness_penalty.0 > 0.0);
+    let scales: Option<Vec<f64>> =
+        rows().map(|row| Some(row.penalty_stiffness?.0 / row.stiffness_penalty.0)).collect();
+    let Some(scales) = scales.filter(|scales| !scales.is_empty()) else { return figure };
+    let (low, high) =
+        scales.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), s| (low.min(*s), high.max(*s)));
+    // A product and a quotient are off by a rounding each.
+    if high > low * (1.0 + 4.0 * f64::EPSILON) {
+        return figure;
+    }
+    for panel in &mut figure.panels {
+        scale(&mut panel.x, STIFFNESS, low);
+        for layer in &mut panel.layers {
+            scale_layer(layer, (low, 1.0), 1.0, &mut std::iter::empty());
+            if let Layer::Curve { source: Some(source), .. } = layer {
+                source.columns = ["penalty_stiffness", "optimal_ratio"];
+            }
+        }
+    }
     figure
 }
 

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use bipenalty::scene::BUILT_IN;
 use clap::{Arg, Command, Parser, value_parser};
 use clap_complete::{Shell, generate};
 
@@ -37,8 +38,47 @@ fn completions() -> Arg {
 }
 
 fn print_completions(shell: Shell, mut command: Command, name: &str) {
+    let takes_scenes = command.get_positionals().any(|arg| arg.get_id() == "scenes");
     let mut script = Vec::new();
     generate(shell, &mut command, name, &mut script);
+    let script = String::from_utf8_lossy(&script).into_owned();
+    let script = if takes_scenes { with_scenes(shell, script, name) } else { script };
     // A reader that stops early is no error.
-    let _ = std::io::stdout().lock().write_all(&script);
+    let _ = std::io::stdout().lock().write_all(script.as_bytes());
+}
+
+/// The script that offers built-in scenes, folders and scene files where a scene stands; for the other shells, names of files.
+fn with_scenes(shell: Shell, script: String, name: &str) -> String {
+    let scenes = BUILT_IN.map(|(name, _)| name).join(" ");
+    match shell {
+        Shell::Bash => {
+            // The generator chooses the name of its function.
+            let inner = script.split("complete -F ").nth(1).and_then(|rest| rest.split(' ').next());
+            let Some(inner) = inner.map(str::to_owned) else { return script };
+            let (function, old) = (format!("{inner}_or_scene"), format!("-F {inner} "));
+            let script = script.replace(&old, &format!("-F {function} "));
+            // An option without choices of its own leaves none: there, and after it, files are offered as usual.
+            let wrapper = format!(
+                "{function}() {{\n    local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}}\n    {inner} \"$@\"\n    \
+                 if [[ $cur != -* && $prev != -* ]]; then\n        COMPREPLY=($(compgen -W \"{scenes}\" -- \"$cur\") \
+                 $(compgen -f -X '!*.toml' -- \"$cur\") $(compgen -d -S / -- \"$cur\"))\n    fi\n}}\n"
+            );
+            wrapper + &script
+        }
+        Shell::Zsh => script
+            .lines()
+            .map(|line| match line.trim_start().starts_with("'*::scenes --") {
+                true => line.replace(
+                    ":_files'",
+                    &format!(":{{_alternative \"scenes:built-in scene:({scenes})\" \"files:scene file:_files -g \\\"*.toml\\\"\"}}'"),
+                ),
+                false => line.to_owned(),
+            })
+            .map(|line| line + "\n")
+            .collect(),
+        Shell::Fish => {
+            script + &format!("complete -c {name} -a \"{scenes}\" -d 'Built-in scene'\ncomplete -c {name} -k -a \"(__fish_complete_suffix .toml)\"\n")
+        }
+        _ => script,
+    }
 }

@@ -175,6 +175,24 @@ impl LimitOptions {
         })
     }
 
+    /// What file names say of the limit: its name unless it is the spectrum's, and each parameter that was given.
+    ///
+    /// # Errors
+    /// As [`LimitOptions::asking`].
+    pub fn words(&self) -> Result<Vec<Option<String>>, Refusal> {
+        let spectrum = self.asking()?.limit.is_spectrum() && self.limit == Limit::Spectrum;
+        let name = if spectrum { None } else { Some(self.name()?.to_owned()) };
+        let word = |name: &str, value: Option<f64>| value.map(|value| format!("{name}{value}"));
+        Ok(vec![
+            name,
+            word("theta", self.theta),
+            word("parameter", self.parameter),
+            word("damping-mass", self.damping_mass),
+            word("damping-stiffness", self.damping_stiffness),
+            word("damping-contact", self.damping_contact),
+        ])
+    }
+
     /// Refuses what `model` has no such limit or no such engine for.
     ///
     /// # Errors

@@ -326,7 +326,12 @@ pub fn paper(
     }
     for mass in masses {
         let model = bars(scene("hunek", 50)?, *mass, form);
-        jobs.push(Job::new(format!("hunek-{}", mass.name()), vec![model], linear.clone(), ratios.clone())?);
+        jobs.push(Job::new(
+            format!("sec5-2-hunek-{}", mass.name()),
+            vec![model],
+            linear.clone(),
+            ratios.clone(),
+        )?);
     }
     Ok(jobs)
 }

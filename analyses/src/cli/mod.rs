@@ -31,8 +31,10 @@ pub use limit::{Limit, LimitOptions};
 pub use maps::{Chart, Job, Solved, check_touches, checked_grid, paper, require_memory};
 pub use narration::{Analysis, narrate};
 pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
-pub use options::{Format, OutputOptions, RatioSpec, SceneOptions, StandardOutput, Units, WidthOption};
-pub use output::{Output, check_stems};
+pub use options::{
+    Format, OutputOptions, RatioSpec, SceneOptions, StandardOutput, Units, WidthOption, penalties_of,
+};
+pub use output::{Output, axis_word, check_stems, question};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use plan::{explain, step_and_cost};
 pub use progress::Progress;

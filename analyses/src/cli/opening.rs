@@ -178,21 +178,24 @@ impl OpeningPlan {
 }
 
 impl OpeningResult {
-    /// Writes the rows, what they recommend, and a map for each scene and mass; the number of files.
+    /// Writes the rows, what they recommend, and a map for each scene and mass; the number of files. `all` and `each` end the
+    /// names of files of all scenes and of one.
     ///
     /// # Errors
     /// What the system says of a file, and what the drawing layer refuses.
-    pub fn write(&self, output: &Output) -> Result<usize> {
-        let mut files = output.write_rows("opening", &self.rows)?.len();
-        files += output.write_rows("opening-limits", &self.limits)?.len();
-        files += output.write_rows("recommendation", &Recommendation::all(&self.rows))?.len();
+    pub fn write(&self, output: &Output, [all, each]: &[String; 2]) -> Result<usize> {
+        let records = format!("opening{all}");
+        let mut files = output.write_rows(&records, &self.rows)?.len();
+        files += output.write_rows(&format!("opening-limits{all}"), &self.limits)?.len();
+        let recommended = Recommendation::all(&self.rows);
+        files += output.write_rows(&format!("recommendation{all}"), &recommended)?.len();
         if !output.wants_figures() {
             return Ok(files);
         }
         for rows in self.rows.chunk_by(|a, b| (&a.scene, &a.mass) == (&b.scene, &b.mass)) {
             if is_map(rows) {
-                let stem = format!("opening-{}-{}", rows[0].scene, rows[0].mass);
-                files += output.write_figure_from("opening", &stem, &gain_maps(rows))?.len();
+                let stem = format!("opening-{}-{}{each}", rows[0].scene, rows[0].mass);
+                files += output.write_figure_from(&records, &stem, &gain_maps(rows))?.len();
             }
         }
         Ok(files)

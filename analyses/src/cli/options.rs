@@ -81,7 +81,8 @@ fn masses(text: &str) -> Result<MassList, Refusal> {
                 "mass",
                 format!("{other:?}"),
                 "lumped, averaged, consistent or a number gamma in [0, 1]",
-            )),
+            )
+            .suggesting(other, ["lumped", "averaged", "consistent"])),
         },
     };
     text.split(',').map(mass).collect::<Result<_, _>>().map(MassList)
@@ -101,6 +102,18 @@ impl SceneOptions {
             })
         };
         self.scenes.iter().map(remeshed).collect()
+    }
+
+    /// What file names say of the scene options: elements and the form of M_p.
+    pub fn words(&self) -> [Option<String>; 2] {
+        let form = self.penalty_mass == PenaltyMassOption::Diagonalised;
+        [self.elements.map(|elements| format!("n{elements}")), form.then(|| "diagonalised".to_owned())]
+    }
+
+    /// What file names say of mass matrices that were asked for, where those of all stand in one file.
+    pub fn mass_word(&self) -> Option<String> {
+        let names = |list: &MassList| list.0.iter().map(|mass| mass.name()).collect::<Vec<_>>().join("-");
+        self.mass.as_ref().map(names)
     }
 
     /// The mass matrices of bars.
@@ -149,6 +162,19 @@ pub enum Units {
     Dimensionless,
     /// s over N/m
     Si,
+}
+
+/// beta_s of stiffnesses in N/m: divided by the smallest scale of the contacts, so that none is softer.
+///
+/// # Errors
+/// Refuses a scene without a contact.
+pub fn penalties_of(stiffness: &Sweep, model: &AnyModel) -> Result<Sweep, Refusal> {
+    let Some(scale) = model.smallest_scale() else {
+        let value = format!("given with scene {}", model.name());
+        return Err(Refusal::new("--stiffness", value, "a scene with at least one contact"));
+    };
+    let values = stiffness.values.iter().map(|s| s / scale).collect();
+    Ok(Sweep { values, log: stiffness.log })
 }
 
 /// Penalty ratios as typed.

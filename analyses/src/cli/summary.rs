@@ -2,7 +2,7 @@
 //! it? Nothing here is called safe: contact that opens and closes may gain energy below its linear limit.
 
 use comfy_table::presets::NOTHING;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::{CellAlignment, ContentArrangement, Table};
 
 use super::Solved;
 use crate::record::{CostRow, GIVEN, ImpactRow, Number, OptimalRatioRow, StabilityRow};
@@ -37,15 +37,19 @@ const CAUTION: &str = "The limits are linear, of closed contact. Contact that op
                        up to C = 0.99 (verify-limits --contact opening).";
 
 const HEADER: [&str; 8] = [
+    "linear limit at r = 1",
+    "kept by r = 1",
     "scene",
     "elements",
     "mass",
     "C_r contact-free",
-    "linear limit at r = 1",
-    "r = 1 keeps the contact-free limit",
     "smallest C_r (beta_s, r)",
     "time",
 ];
+
+/// What the letters of a summary stand for.
+pub(super) const WORDS: &str = "C_r: critical Courant number c0 dt_cr/h (of meshes omega_ref dt_cr/2); beta_s: contact stiffness over \
+                                E A/h; r: ratio of stiffness to mass penalty, 1 keeps the contact-free limit.";
 
 impl MapSummary {
     /// The summary of `solved`.
@@ -109,12 +113,12 @@ impl MapSummary {
         }
         let lowest = self.lowest.as_ref();
         vec![
+            self.linear_limit.clone(),
+            self.verdict.clone(),
             self.scene.clone(),
             self.elements.map_or("-".to_owned(), |n| n.to_string()),
             self.mass.clone(),
             self.free.clone(),
-            self.linear_limit.clone(),
-            self.verdict.clone(),
             lowest.map_or("-".to_owned(), |(courant, bound, at)| {
                 format!("{}{courant:.4e} {at}", if *bound { "at least " } else { "" })
             }),
@@ -196,8 +200,9 @@ pub fn print_summaries(summaries: &[MapSummary]) {
         }
     }
     print_table(&HEADER, merged.iter().map(MapSummary::cells));
+    say(WORDS);
     if merged.iter().any(|summary| summary.touches) {
-        eprintln!("{CAUTION}");
+        say(CAUTION);
     }
 }
 
@@ -306,10 +311,36 @@ fn ratio(x: f64) -> String {
     if (1e-3..1e4).contains(&x) { format!("{x:.6}") } else { format!("{x:.4e}") }
 }
 
-/// Prints a plain table on standard error, as wide as its content.
+/// Prints a paragraph on standard error, its lines within the columns of a summary.
+pub(super) fn say(text: &str) {
+    eprintln!("{}", wrapped(text, COLUMNS.into()));
+}
+
+/// The words of `text` in lines of up to `columns` letters, all but the first indented.
+fn wrapped(text: &str, columns: usize) -> String {
+    let (mut lines, mut line) = (Vec::new(), String::new());
+    for word in text.split(' ') {
+        let width = line.chars().count() + 1 + word.chars().count();
+        if !line.trim().is_empty() && width > columns {
+            lines.push(std::mem::replace(&mut line, "   ".to_owned()));
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line += word;
+    }
+    lines.push(line);
+    lines.join("\n")
+}
+
+/// Columns of a summary: what fits on a page and into half a screen.
+const COLUMNS: u16 = 100;
+
+/// Prints a plain table on standard error; cells that do not fit go on in a second line.
 pub fn print_table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
     let mut table = Table::new();
-    table.load_preset(NOTHING).set_header(header.iter().map(|cell| cell.to_string()));
+    table.load_preset(NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(COLUMNS);
+    table.set_header(header.iter().map(|cell| cell.to_string()));
     table.add_rows(rows);
     for column in table.column_iter_mut() {
         column.set_padding((0, 2)).set_cell_alignment(CellAlignment::Left);
@@ -400,4 +431,21 @@ fn count(points: usize) -> String {
 
 fn duration(seconds: f64) -> String {
     if seconds < 1e-3 { format!("{:.0} us", seconds * 1e6) } else { format!("{:.3} s", seconds) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paragraphs_fit_and_lose_no_word() {
+        let lines = wrapped(CAUTION, 100);
+        assert!(
+            lines.lines().count() > 1 && lines.lines().all(|line| line.chars().count() <= 100),
+            "{lines}"
+        );
+        let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        assert_eq!(words(&lines), words(CAUTION));
+        assert_eq!(wrapped("one", 2), "one");
+    }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Number;
+use super::{Number, Subject};
 use bipenalty::impact::{Ending, Exact, History, Mesh, Run, StressField, Summary};
 
 /// One step of a run at one contact. The energies are those of all bars and all contacts; in every row
@@ -107,6 +107,12 @@ pub struct ImpactRow {
     /// `finished`, `finished with 5.1 times its energy` where that is more than 1, or the step and time at which the run
     /// blew up or was stopped.
     pub ending: String,
+    /// dt, s.
+    pub time_step: Number,
+    /// s = beta_s w, N/m, of the contact of smallest scale w, the softest.
+    pub penalty_stiffness: Option<Number>,
+    /// m = s/(r omega_ref^2), kg, of the same contact.
+    pub penalty_mass: Option<Number>,
 }
 
 impl ImpactRow {
@@ -114,6 +120,7 @@ impl ImpactRow {
     pub fn new(run: &Run, beta_s: f64, ratio: f64, history: &History) -> Self {
         let summary = Summary::of(run, history);
         let model = run.model();
+        let penalties = Subject::of_bars(model).penalties(beta_s, ratio);
         let gained = match summary.energy_ratio.filter(|_| summary.more_energy) {
             Some(ratio) => format!(" with {} times its energy", digits(ratio)),
             None => String::new(),
@@ -135,6 +142,9 @@ impl ImpactRow {
                 Ending::Stopped { step, time } => format!("stopped at step {step} (t = {time:e} s){gained}"),
                 Ending::BlewUp { step, time } => format!("blew up by step {step} (t = {time:e} s)"),
             },
+            time_step: Number(run.time_step()),
+            penalty_stiffness: penalties.map(|(stiffness, _)| stiffness),
+            penalty_mass: penalties.map(|(_, mass)| mass),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Number, VerifyRow};
+use super::{Number, Subject, VerifyRow};
 use bipenalty::impact::Run;
 use bipenalty::verify::PenaltyPoint;
 use bipenalty::verify::opening::{Gain, Load, least_gain};
@@ -40,13 +40,23 @@ pub struct OpeningRow {
     pub steps: u64,
     /// Whether the gain counts: more than the mean energy of an element.
     pub gains: bool,
+    /// dt, s.
+    pub time_step: Number,
+    /// s = beta_s w, N/m, of the contact of smallest scale w, the softest.
+    pub penalty_stiffness: Option<Number>,
+    /// m = s/(r omega_ref^2), kg, of the same contact.
+    pub penalty_mass: Option<Number>,
 }
 
 impl OpeningRow {
     /// The row of `run` under `load` at `point`.
     pub fn new(run: &Run, load: Load, point: PenaltyPoint, predicted: f64, found: &Gain) -> Self {
         let model = run.model();
+        let penalties = Subject::of_bars(model).penalties(point.stiffness_penalty.get(), point.ratio.get());
         Self {
+            time_step: Number(run.time_step()),
+            penalty_stiffness: penalties.map(|(stiffness, _)| stiffness),
+            penalty_mass: penalties.map(|(_, mass)| mass),
             scene: model.scene().name().to_owned(),
             mass: model.mass().name(),
             gamma: Number(model.mass().gamma()),
@@ -97,6 +107,7 @@ impl VerifyRow {
     pub fn opening(scan: &[OpeningRow], contact_free_courant: f64) -> Option<Self> {
         let row = scan.first()?;
         let first = first_gain(scan);
+        let free_step = row.time_step.0 / row.relative_courant.0;
         let gaining = scan.iter().filter(|row| row.relative_courant.0 == first);
         let strongest = gaining.max_by(|a, b| a.energy_gain.0.total_cmp(&b.energy_gain.0));
         let growth = |row: &OpeningRow| 0.5 * row.energy_gain.0.ln_1p() / row.steps as f64;
@@ -118,6 +129,11 @@ impl VerifyRow {
             predicted_growth: None,
             steps_needed: None,
             islands: String::new(),
+            predicted_step: Some(Number(row.predicted.0 * free_step)),
+            stable_step: Number(last_without_gain(scan) * free_step),
+            unstable_step: Number(first * free_step),
+            penalty_stiffness: row.penalty_stiffness,
+            penalty_mass: row.penalty_mass,
         })
     }
 }

@@ -73,6 +73,17 @@ impl Subject {
         })
     }
 
+    /// dt, s, of a Courant number.
+    pub fn seconds(&self, courant: f64) -> f64 {
+        courant / self.rate
+    }
+
+    /// s, N/m, and m = s/(r omega_ref^2), kg, of the softest contact; `None` without contacts.
+    pub fn penalties(&self, beta_s: f64, ratio: f64) -> Option<(Number, Number)> {
+        let stiffness = self.scale? * beta_s;
+        Some((Number(stiffness), Number(stiffness / (ratio * self.reference))))
+    }
+
     /// The smallest scale of the contacts, N/m: what beta_s multiplies there. `None` without contacts.
     pub fn scale(&self) -> Option<f64> {
         self.scale
@@ -144,7 +155,7 @@ impl StabilityRow {
         rows.map(|(ratio, point)| {
             let engine = point.engine;
             let step: Result<CriticalStep, Uncertified> = point.step;
-            let stiffness = subject.scale.map(|scale| point.stiffness_penalty.get() * scale);
+            let penalties = subject.penalties(point.stiffness_penalty.get(), ratio.get());
             let number = |f: fn(CriticalStep) -> f64| step.ok().map(|step| Number(f(step)));
             let found = step.ok().filter(|step| !step.is_lower_bound()).map(|step| step.critical_courant);
             // A root and a quotient more than in C_r.
@@ -173,8 +184,8 @@ impl StabilityRow {
                 step_lower: step.ok().map(|step| seconds(step.lower, 1.0 - margin)),
                 step_upper: step.ok().map(|step| seconds(step.upper, 1.0 + margin)),
                 evidence,
-                penalty_stiffness: stiffness.map(Number),
-                penalty_mass: stiffness.map(|s| Number(s / (ratio.get() * subject.reference))),
+                penalty_stiffness: penalties.map(|(stiffness, _)| stiffness),
+                penalty_mass: penalties.map(|(_, mass)| mass),
             }
         })
         .collect()
@@ -205,18 +216,27 @@ columns! {
     upper: Option<Number> = bound(NOT_NEGATIVE),
     /// Whether the enclosure contains the expected ratio, where one is found and expected.
     holds: bool = truth(),
+    /// The contact-free step that is kept, s: its lower bound.
+    contact_free_step: Option<Number> = result(POSITIVE),
+    /// s = beta_s w, N/m, of the contact of smallest scale w, the softest.
+    penalty_stiffness: Option<Number> = result(NOT_NEGATIVE),
+    /// m = s/(r omega_ref^2), kg, of the same contact at r = `lower`: as little as is proven to cost nothing.
+    penalty_mass: Option<Number> = result(NOT_NEGATIVE),
 }
 
 impl OptimalRatioRow {
-    /// The row of `found` at beta_s for a limit, held against the `expected` ratio; `None` if no ratio should cost a
-    /// step.
+    /// The row of `found` at beta_s for a limit, held against the `expected` ratio, `None` if no ratio should cost a
+    /// step; `contact_free_step` in s.
     pub fn new(
         subject: &Subject,
         limit: &'static str,
         beta_s: f64,
         found: Option<OptimalRatio>,
         expected: Option<f64>,
+        contact_free_step: Option<f64>,
     ) -> Self {
+        let stiffness = subject.scale.map(|scale| beta_s * scale);
+        let mass = |(s, r): (f64, f64)| Number(s / (r * subject.reference));
         let contains = |found: OptimalRatio| match expected {
             // Nothing is expected of a limit that is known from below only.
             None if found.upper.is_infinite() => true,
@@ -234,6 +254,9 @@ impl OptimalRatioRow {
             lower: found.map(|found| Number(found.lower)),
             upper: found.map(|found| Number(found.upper)),
             holds: found.is_none_or(contains),
+            contact_free_step: contact_free_step.map(Number),
+            penalty_stiffness: stiffness.map(Number),
+            penalty_mass: stiffness.zip(found.map(|found| found.lower)).filter(|(_, r)| *r > 0.0).map(mass),
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::{GIVEN, Number};
+use super::{GIVEN, Number, Subject};
+use crate::error::Refusal;
 use bipenalty::schemes::Scheme;
 use bipenalty::stability::AnyModel;
 use bipenalty::verify::{Confirmation, PenaltyPoint};
@@ -47,21 +48,36 @@ pub struct VerifyRow {
     /// Courant numbers between which the scheme is predicted to be stable again above its limit, `low-high`, with blanks
     /// between; empty if there are none.
     pub islands: String,
+    /// `predicted`, s.
+    pub predicted_step: Option<Number>,
+    /// `stable_at`, s.
+    pub stable_step: Number,
+    /// `unstable_at`, s.
+    pub unstable_step: Number,
+    /// s = beta_s w, N/m, of the contact of smallest scale w, the softest; empty without contacts.
+    pub penalty_stiffness: Option<Number>,
+    /// m = s/(r omega_ref^2), kg, of the same contact.
+    pub penalty_mass: Option<Number>,
 }
 
 impl VerifyRow {
     /// The row of one point with contacts held closed.
+    ///
+    /// # Errors
+    /// As [`Subject::of`].
     pub fn new(
         model: &AnyModel,
         scheme: &dyn Scheme,
         point: PenaltyPoint,
         confirmation: &Confirmation,
-    ) -> Self {
+    ) -> Result<Self, Refusal> {
+        let subject = Subject::of(model)?;
+        let penalties = subject.penalties(point.stiffness_penalty.get(), point.ratio.get());
         let Confirmation { predicted, found, agrees } = confirmation;
         let predicted = predicted.as_ref();
         let islands = predicted.iter().flat_map(|predicted| &predicted.islands);
         let islands = islands.map(|(low, high)| format!("{low:.6}-{high:.6}"));
-        Self {
+        Ok(Self {
             scene: model.name().to_owned(),
             mass: model.mass().map_or_else(|| GIVEN.to_owned(), |mass| mass.name()),
             gamma: model.mass().map(|mass| Number(mass.gamma())),
@@ -79,6 +95,11 @@ impl VerifyRow {
             predicted_growth: predicted.and_then(|predicted| predicted.growth).map(Number),
             steps_needed: predicted.and_then(|predicted| predicted.steps_needed).map(Number),
             islands: islands.collect::<Vec<_>>().join(" "),
-        }
+            predicted_step: predicted.map(|predicted| Number(subject.seconds(predicted.courant))),
+            stable_step: Number(subject.seconds(found.stable_at)),
+            unstable_step: Number(subject.seconds(found.unstable_at)),
+            penalty_stiffness: penalties.map(|(stiffness, _)| stiffness),
+            penalty_mass: penalties.map(|(_, mass)| mass),
+        })
     }
 }

@@ -41,7 +41,7 @@ fn refused(refusal: Refusal) -> PyErr {
 fn failed(error: Error) -> PyErr {
     match error {
         Error::Uncertified { message, .. } => Uncertified::new_err(message),
-        Error::Refused(_) | Error::SceneFile { .. } | Error::File { .. } => {
+        Error::Refused(_) | Error::SceneFile { .. } | Error::File { .. } | Error::NotFound { .. } => {
             PyValueError::new_err(error.to_string())
         }
     }
