@@ -23,7 +23,7 @@ mod summary;
 mod throw;
 
 pub use advance::Progress;
-pub use comparison::Accuracy;
+pub use comparison::{Accuracy, Comparison};
 pub use encounter::Encounter;
 pub use exact::Exact;
 pub use history::{Ending, History, Recording, StressField};
@@ -34,5 +34,5 @@ pub use record::{Outcome, Record};
 pub(crate) use run::contact_free_step;
 pub use run::{MAX_STEPS, Run};
 pub use summary::Summary;
-pub use throw::{duration, exact};
 pub(crate) use summary::potential_at_start;
+pub use throw::{duration, exact};

@@ -7,7 +7,7 @@ use super::run::MAX_STEPS;
 use super::{Encounter, Ending, Outcome, Record};
 use crate::error::Refusal;
 use crate::memory;
-use crate::pencil::Penalty;
+use crate::pencil::{Matrix, Penalty};
 use crate::schemes::{ContactRule, Energy, Motion, Scheme, State, System};
 
 /// An encounter stepped in time.
@@ -66,6 +66,24 @@ impl Passage {
     /// Steps until the duration is reached or passed.
     pub fn steps(&self) -> u64 {
         steps(self.duration, self.time_step())
+    }
+
+    /// The scheme.
+    pub fn scheme(&self) -> &dyn Scheme {
+        &*self.scheme
+    }
+
+    /// Bytes taken while the passage goes on, about: the matrices as they are and as the steps have them, ten vectors of
+    /// the unknowns, and for contacts that act on each other three matrices between them.
+    pub fn working_bytes(&self) -> u64 {
+        let pencil = &self.encounter.pencil;
+        let stored = |matrix: &Matrix| match matrix {
+            Matrix::Sparse(a) => 12 * a.len() + 8 * a.rows(),
+            Matrix::Chain(_) | Matrix::Diagonal(_) => 16 * matrix.size(),
+        };
+        let matrices = 2 * (stored(pencil.stiffness()) + stored(pencil.mass()));
+        let k = pencil.gaps().len();
+        (matrices + 80 * pencil.size() + 24 * k * k) as u64
     }
 
     /// Rows of one every so many steps, the start and the end.

@@ -44,7 +44,8 @@ impl Outcome {
     pub fn energy_ratio(&self) -> Option<(f64, f64)> {
         let [first, last] = self.energy;
         let (start, work) = (first.stored(), last.body_work - first.body_work);
-        let largest = [start, work, last.stored(), last.loss].into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let largest =
+            [start, work, last.stored(), last.loss].into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let rounding = 4.0 * f64::EPSILON * (self.steps + 1) as f64 * largest / start;
         let blown_up = matches!(self.ending, Ending::BlewUp { .. });
         (!blown_up && start >= f64::MIN_POSITIVE).then(|| ((last.stored() - work) / start, rounding))

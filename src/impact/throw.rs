@@ -9,28 +9,29 @@ use crate::stability::{AnyModel, AnyScene, Asking, MeshModel};
 
 impl Encounter {
     /// The bodies of `scene` as they are thrown at each other; `model` is a model of this scene. Its critical step is a proven
-    /// lower bound of 2/omega_max without contact.
+    /// lower bound of 2/omega_max without contact. Without `[impact]` nothing pulls, and matrices are at rest.
     ///
     /// # Errors
-    /// A scene without `[impact]`; a contact-free limit that is not enclosed; what reading the files of `[impact]` refuses.
+    /// A contact-free limit that is not enclosed; what reading the files of `[impact]` refuses.
     pub fn of_scene(scene: &AnyScene, model: &AnyModel) -> Result<Self> {
-        duration(scene)?;
         match (scene, model) {
             (AnyScene::Mesh(scene), AnyModel::Mesh(mesh)) => {
-                let (Some(elements), Some(impact)) = (mesh.mesh(), &scene.impact) else {
-                    return Err(stranger(model).into());
-                };
+                let Some(elements) = mesh.mesh() else { return Err(stranger(model).into()) };
+                let gravity = scene.impact.as_ref().map_or([0.0; 3], |impact| impact.gravity);
                 let (pencil, step) = stepping(model, mesh)?;
                 let velocity = of_unknowns(elements, |body| elements.bodies[body].velocity);
-                let load = match impact.gravity == [0.0; 3] {
+                let load = match gravity == [0.0; 3] {
                     true => Vec::new(),
-                    false => weight(&pencil, &of_unknowns(elements, |_| impact.gravity)),
+                    false => weight(&pencil, &of_unknowns(elements, |_| gravity)),
                 };
                 Ok(Self::new(pencil, velocity, load, step)?)
             }
             (AnyScene::Matrices(scene), AnyModel::Mesh(mesh)) => {
-                let Some(impact) = &scene.impact else { return Err(stranger(model).into()) };
                 let (pencil, step) = stepping(model, mesh)?;
+                let Some(impact) = &scene.impact else {
+                    let rest = vec![0.0; pencil.size()];
+                    return Ok(Self::new(pencil, rest, Vec::new(), step)?);
+                };
                 let throw = impact.read(pencil.size(), pencil.gaps().len())?;
                 Ok(Self::new(pencil, throw.velocity, throw.load, step)?.with_gaps(&throw.gaps)?)
             }

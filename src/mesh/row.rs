@@ -27,7 +27,8 @@ impl MeshScene {
         let others = || (0..self.dimension).filter(move |b| *b != axis);
         let first = blocks[0].cuboid;
         let aligned = |block: &Block| {
-            others().all(|b| block.cuboid.size[b] == first.size[b] && block.cuboid.origin[b] == first.origin[b])
+            others()
+                .all(|b| block.cuboid.size[b] == first.size[b] && block.cuboid.origin[b] == first.origin[b])
         };
         let straight = |v: &[f64; 3]| others().all(|b| v[b] == 0.0);
         let plane = |block: &Block| {
@@ -151,6 +152,7 @@ fn put(mut gaps: Vec<(usize, f64)>, place: usize, gap: f64) -> Option<Vec<(usize
 
 /// The axis and the end, 0 or 1, of a side of a box.
 fn side(name: &str) -> Option<(usize, usize)> {
-    let of = |(axis, names): (usize, &[&str; 2])| Some((axis, names.iter().position(|known| *known == name)?));
+    let of =
+        |(axis, names): (usize, &[&str; 2])| Some((axis, names.iter().position(|known| *known == name)?));
     SIDES.iter().enumerate().find_map(of)
 }

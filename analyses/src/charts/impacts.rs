@@ -33,12 +33,18 @@ pub enum Quantity {
     Force,
     /// g/h over time while it is a penetration, logarithmic.
     Gap,
+    /// The largest g of all contacts over time while it is a penetration, m, logarithmic.
+    LargestGap,
     /// Kinetic and strain energy over time, J.
     Energy,
 }
 
 impl Quantity {
-    /// Every quantity with the name of its files.
+    /// Those of impacts of matrices and meshes.
+    pub const OF_MANY: [(&'static str, Self); 3] =
+        [("force", Self::Force), ("gap", Self::LargestGap), ("energy", Self::Energy)];
+
+    /// Those of bars, with the names of their files.
     pub const ALL: [(&'static str, Self); 3] =
         [("force", Self::Force), ("gap", Self::Gap), ("energy", Self::Energy)];
 
@@ -53,6 +59,7 @@ impl Quantity {
         match self {
             Self::Force => Axis::linear(format!("contact force *λ*{index} [N]")),
             Self::Gap => Axis::log(format!("penetration *g*{index} / *h*")),
+            Self::LargestGap => Axis::log("largest penetration *g* [m]"),
             Self::Energy => Axis::linear("kinetic + strain energy [J]"),
         }
     }
@@ -62,6 +69,7 @@ impl Quantity {
         match self {
             Self::Force => Some("contact_force"),
             Self::Gap => Some("relative_gap"),
+            Self::LargestGap => Some("largest_gap"),
             Self::Energy => None,
         }
     }
@@ -70,8 +78,8 @@ impl Quantity {
     fn value(self, row: &HistoryRow) -> f64 {
         match self {
             Self::Force => row.contact_force.0,
-            Self::Gap if row.relative_gap.0 > 0.0 => row.relative_gap.0,
-            Self::Gap => f64::NAN,
+            Self::Gap | Self::LargestGap if row.relative_gap.0 > 0.0 => row.relative_gap.0,
+            Self::Gap | Self::LargestGap => f64::NAN,
             Self::Energy => row.kinetic_energy.0 + row.strain_energy.0,
         }
     }

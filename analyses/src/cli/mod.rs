@@ -4,6 +4,7 @@
 //! checked holds; 1: done, and a check did not hold; 2: refused, nothing computed or written.
 
 mod arguments;
+mod impact_files;
 mod impacts;
 mod limit;
 mod maps;
@@ -11,6 +12,7 @@ mod narration;
 mod opening;
 mod options;
 mod output;
+mod passages;
 mod peers;
 mod plan;
 mod progress;
@@ -21,6 +23,7 @@ mod summary;
 mod verification;
 
 pub use arguments::arguments;
+pub use impact_files::{draw_impacts, draw_passages, write_impacts};
 pub use impacts::{
     FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute, suffix,
 };
@@ -30,6 +33,7 @@ pub use narration::{Analysis, narrate};
 pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
 pub use options::{Format, OutputOptions, RatioSpec, SceneOptions, StandardOutput, Units, WidthOption};
 pub use output::{Output, check_stems};
+pub use passages::{FinishedPassage, Kept, PlannedPassage, StepOptions, check_passages, execute_passages};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use plan::{explain, step_and_cost};
 pub use progress::Progress;

@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::{Number, VerifyRow};
-use bipenalty::impact::Run;
+use super::{GIVEN, Number, VerifyRow};
+use bipenalty::impact::{Passage, Run};
+use bipenalty::stability::AnyModel;
 use bipenalty::verify::Point;
 use bipenalty::verify::opening::{Gain, Load, least_gain};
 
@@ -14,10 +15,10 @@ pub struct OpeningRow {
     pub scene: String,
     /// `lumped`, `averaged`, `consistent`, or gamma.
     pub mass: String,
-    /// gamma of the mass matrix.
-    pub gamma: Number,
-    /// Elements of all bars.
-    pub elements: usize,
+    /// gamma of the mass matrix; empty for matrices.
+    pub gamma: Option<Number>,
+    /// Elements of all bars or bodies; empty for matrices.
+    pub elements: Option<usize>,
     /// Name of the scheme.
     pub scheme: &'static str,
     /// `impact` or `sustained`.
@@ -49,8 +50,8 @@ impl OpeningRow {
         Self {
             scene: model.scene().name().to_owned(),
             mass: model.mass().name(),
-            gamma: Number(model.mass().gamma()),
-            elements: model.scene().elements(),
+            gamma: Some(Number(model.mass().gamma())),
+            elements: Some(model.scene().elements()),
             scheme: run.scheme().facts().name,
             load: load.name(),
             stiffness_penalty: Number(point.stiffness_penalty.get()),
@@ -62,6 +63,34 @@ impl OpeningRow {
             switches: found.switches,
             steps: found.steps,
             gains: found.energy_gain > least_gain(model),
+        }
+    }
+
+    /// The row of a passage of `model`, matrices or a mesh, at `point`.
+    pub fn of_passage(
+        model: &AnyModel,
+        passage: &Passage,
+        point: Point,
+        predicted: f64,
+        found: &Gain,
+    ) -> Self {
+        let parts = model.elements().unwrap_or(passage.encounter().pencil().size());
+        Self {
+            scene: model.name().to_owned(),
+            mass: model.mass().map_or(GIVEN.to_owned(), |mass| mass.name()),
+            gamma: model.mass().map(|mass| Number(mass.gamma())),
+            elements: model.elements(),
+            scheme: passage.scheme().facts().name,
+            load: Load::Impact.name(),
+            stiffness_penalty: Number(point.stiffness_penalty.get()),
+            ratio: Number(point.ratio.get()),
+            predicted: Number(predicted),
+            relative_courant: Number(passage.time_step() / passage.encounter().critical_step()),
+            energy_gain: Number(found.energy_gain),
+            energy_ratio: Number(found.energy_ratio),
+            switches: found.switches,
+            steps: found.steps,
+            gains: found.energy_gain > 1.0 / parts as f64,
         }
     }
 
@@ -103,8 +132,8 @@ impl VerifyRow {
         Some(Self {
             scene: row.scene.clone(),
             mass: row.mass.clone(),
-            gamma: Some(row.gamma),
-            elements: Some(row.elements),
+            gamma: row.gamma,
+            elements: row.elements,
             scheme: row.scheme,
             contact: "opening",
             stiffness_penalty: row.stiffness_penalty,
