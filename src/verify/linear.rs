@@ -66,11 +66,13 @@ pub fn linear_step(model: &AnyModel, scheme: &Arc<dyn Scheme>, point: Point) -> 
         let seconds = seconds.min(free);
         LinearStep { seconds, relative: seconds / free, basis }
     };
-    if costs_nothing(scheme.facts().name) {
-        return Ok(of(free, Basis::ContactFree));
-    }
     let asking = Asking { limit: LimitOf::Scheme(scheme.clone()), ..Asking::default() };
     let (beta_s, ratio) = (point.stiffness_penalty.get(), point.ratio.get());
+    // Of a spectrum: l_max(K + K_p, M + M_p) <= max(l_max(K, M), r omega_ref^2).
+    let light = asking.limit.scheme().is_none() && ratio * model.reference()? <= 4.0 / (free * free);
+    if light || costs_nothing(scheme.facts().name) {
+        return Ok(of(free, Basis::ContactFree));
+    }
     match model.critical_step(beta_s, ratio, &asking).map(|found| found.step) {
         Ok(Ok(step)) => Ok(of(unit * step.lower, Basis::Enclosed)),
         _ => {

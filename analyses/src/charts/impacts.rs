@@ -3,7 +3,7 @@
 
 use super::maps::{number, scene_name};
 use crate::record::{HistoryRow, Number, StressRow};
-use bipenalty::schemes::{ContactSearch, Facts};
+use bipenalty::schemes::{Facts, SchemeName};
 use figure::{Axis, Figure, Layer, Panel, Scale, Source, Width, literal};
 
 /// The records of one run, as the charts need them.
@@ -193,13 +193,16 @@ fn look_alike(one: &[(f64, f64)], other: &[(f64, f64)], scale: Scale) -> bool {
             .all(|(a, b)| a.0 == b.0 && (close(a.1, b.1) || (a.1.is_nan() && b.1.is_nan())))
 }
 
-/// A scheme that looks for contact only at the start of a step chatters on a stiff one: it stays grey and thin behind the others, and
-/// the one that is proven to gain nothing leads.
+/// Central differences chatter on a stiff contact: they stay grey and thin behind the others. The schemes of the paper lead; each of
+/// the others has a style of its own.
 fn style(scheme: Facts) -> usize {
     const LIGHT_GREY: usize = 8;
-    match (scheme.search, scheme.gains_nothing) {
-        (ContactSearch::StartOfStep, _) => LIGHT_GREY,
-        (ContactSearch::Predictor, true) => 0,
-        (ContactSearch::Predictor, false) => 1,
+    let place = SchemeName::ALL.iter().position(|known| known.name() == scheme.name);
+    match place {
+        Some(0) => LIGHT_GREY,
+        // Predictor-corrector and Park are the second and the third.
+        Some(place) => place - 1,
+        None if scheme.gains_nothing => 0,
+        None => LIGHT_GREY + 1,
     }
 }

@@ -8,7 +8,7 @@ use figure::{At, Axis, Figure, Layer, Naming, Panel, Width, literal};
 /// Errors below are drawn here: they are rounding.
 const LEAST: f64 = 1e-15;
 
-const FORCE_ERROR: &str = "rms force error / peak force";
+const FORCE_ERROR: &str = "rms force error";
 
 /// A line of a chart: one scheme at one ratio.
 type Line = (&'static str, f64);

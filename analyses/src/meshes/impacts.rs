@@ -26,6 +26,17 @@ const PAPER: f64 = 0.5;
 /// The penalties of the studies where another thing is varied.
 const STIFF: f64 = 1e4;
 
+/// The schemes: all that step meshes. Mass redistribution is made for bars, where a node has one neighbour to take its mass.
+const SCHEMES: [SchemeName; 7] = [
+    SchemeName::CentralDifference,
+    SchemeName::PredictorCorrector,
+    SchemeName::Park,
+    SchemeName::Buffered,
+    SchemeName::Lagrange,
+    SchemeName::MoreauJean,
+    SchemeName::PaoliSchatzman,
+];
+
 /// How fine the studies are.
 #[derive(Debug, Clone)]
 pub struct ImpactFineness {
@@ -41,7 +52,7 @@ impl ImpactFineness {
     /// For the figures.
     pub fn figures() -> Self {
         let decades = (-1..=12).map(|exponent| 10_f64.powi(exponent)).collect();
-        Self { cells: vec![10, 20, 40, 80, 160, 320], usual: 80, penalties: decades }
+        Self { cells: vec![10, 20, 40, 80, 160], usual: 80, penalties: decades }
     }
 
     /// For a test.
@@ -174,7 +185,7 @@ fn lines() -> Vec<(SchemeName, f64)> {
         true => vec![(*scheme, 1.0), (*scheme, 0.25)],
         false => vec![(*scheme, 1.0)],
     };
-    SchemeName::ALL.iter().flat_map(one).collect()
+    SCHEMES.iter().flat_map(one).collect()
 }
 
 fn blocks(cells: &[usize]) -> Result<Vec<Block>> {
@@ -219,7 +230,7 @@ pub fn penalty(fine: &ImpactFineness) -> Result<Vec<StudyRow>> {
 pub fn oscillation(fine: &ImpactFineness) -> Result<Vec<StudyRow>> {
     let block = Block::new(fine.usual)?;
     let cases: Vec<_> =
-        [1.0, 0.25, f64::INFINITY].iter().flat_map(|r| SchemeName::ALL.map(|scheme| (scheme, *r))).collect();
+        [1.0, 0.25, f64::INFINITY].iter().flat_map(|r| SCHEMES.map(|scheme| (scheme, *r))).collect();
     let row = |(scheme, ratio): &(SchemeName, f64)| {
         block.row("oscillation", *scheme, (STIFF, *ratio), Pace::Limit(SHARE), false)
     };
