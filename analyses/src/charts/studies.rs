@@ -96,21 +96,21 @@ pub fn penalty(rows: &[StudyRow]) -> Figure {
     )
 }
 
-/// Overshoot over total variation, one marker a scheme, a panel a ratio: a force without oscillations stands at (1, 0).
+/// Largest force over total variation, one marker a scheme, a panel a ratio: a force without oscillations stands at (1, 1).
 pub fn oscillation(rows: &[StudyRow]) -> Figure {
     let mut ratios: Vec<f64> = rows.iter().map(|row| row.ratio.0).collect();
     ratios.dedup();
     let panel = |ratio: &f64| {
         let of: Vec<&StudyRow> = rows.iter().filter(|row| row.ratio.0 == *ratio).collect();
         let layer = |row: &&StudyRow| {
-            let point = (row.variation?.0, row.overshoot?.0);
+            let point = (row.variation?.0, 1.0 + row.overshoot?.0);
             let line = (row.scheme, 1.0);
             Some(Layer::markers(vec![point], title(line, &[line]), style(line)))
         };
-        let mut layers = vec![Layer::Rule { at: At::Y(0.0), label: None }];
+        let mut layers = vec![Layer::Rule { at: At::Y(1.0), label: None }];
         layers.extend(of.iter().filter_map(layer));
         let x = Axis::log("total variation / exact");
-        Panel::new(x, Axis::linear("overshoot"), layers).titled(format!("*r* = {}", number(*ratio)))
+        Panel::new(x, Axis::log("largest force / exact"), layers).titled(format!("*r* = {}", number(*ratio)))
     };
     figure(ratios.iter().map(panel).collect(), 3)
 }
