@@ -4,6 +4,9 @@ use super::scene::{BodySource, MeshScene, MeshSource, Opponent};
 use super::structured::{Cuboid, SIDES};
 use crate::scene::{Bar, End, Impact, Scene};
 
+/// The places of contacts from the low end, with their gaps, m.
+type Gaps = Vec<(usize, f64)>;
+
 /// One box with what it is made of.
 struct Block<'a> {
     body: usize,
@@ -85,7 +88,7 @@ impl MeshScene {
     }
 
     /// Where the bodies of a row meet: the places of its contacts from the low end with their gaps, m, and its ends.
-    fn meetings(&self, blocks: &[Block], axis: usize, gaps: &[f64]) -> Option<(Vec<(usize, f64)>, [End; 2])> {
+    fn meetings(&self, blocks: &[Block], axis: usize, gaps: &[f64]) -> Option<(Gaps, [End; 2])> {
         let place = |body: usize| blocks.iter().position(|block| block.body == body);
         let last = blocks.len() - 1;
         let (mut found, mut ends) = (Vec::new(), [End::Free; 2]);
