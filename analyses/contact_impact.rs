@@ -19,8 +19,8 @@ use analyses::record::ImpactRow;
 use bipenalty::impact::{Encounter, Ending, Exact, Recording, Run};
 use bipenalty::penalty::{Ratio, StiffnessPenalty};
 use bipenalty::schemes::{Scheme, SchemeName};
-use bipenalty::stability::{AnyModel, AnyScene, Axis, Grid, Model, check_has_contact};
-use bipenalty::verify::Point;
+use bipenalty::stability::{AnyModel, AnyScene, Grid, Model, Sweep, check_has_contact};
+use bipenalty::verify::PenaltyPoint;
 use clap::Parser;
 
 /// Contact-impact in time, of bars, meshes and matrices: schemes, exact solutions, errors.
@@ -32,10 +32,10 @@ struct Options {
     scene: SceneOptions,
     /// Stiffness penalties: a list 1,1e4 or lin:1:10:10 or log:1:1e12:4 (start:stop:count)
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "1,1e4,1e8,1e12")]
-    beta_s: Axis,
+    beta_s: Sweep,
     /// Penalty ratios r, in the same forms; inf is the pure penalty method
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "1")]
-    ratio: Axis,
+    ratio: Sweep,
     /// Schemes: central-difference, predictor-corrector, park, buffered, lagrange, moreau-jean, paoli-schatzman,
     /// mass-redistribution
     #[arg(
@@ -281,7 +281,7 @@ fn groups_of(
     for ratio in &grid.ratios {
         let (mut runs, mut passages) = (Vec::new(), Vec::new());
         for beta_s in &grid.stiffness_penalties {
-            let point = Point { stiffness_penalty: *beta_s, ratio: *ratio };
+            let point = PenaltyPoint { stiffness_penalty: *beta_s, ratio: *ratio };
             for scheme in schemes {
                 match (&**model, &encounter) {
                     (AnyModel::Bars(bars), _) => {

@@ -15,7 +15,7 @@ use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::Penalty;
 use bipenalty::scene::{Bar, End, Scene};
 use bipenalty::spectrum::{Engine, Spectrum};
-use bipenalty::stability::{Axis, EngineName, Grid, Model, map};
+use bipenalty::stability::{EngineName, Grid, Model, Sweep, map};
 use clap::Parser;
 
 /// Cost of a point of a stability map: the engines, LAPACK and scipy beside each other.
@@ -68,8 +68,8 @@ fn main() -> ExitCode {
 const BLAS_THREADS: &str = "OPENBLAS_NUM_THREADS";
 
 fn run(options: &Options) -> Result<Verdict> {
-    let beta_s = Axis::log(1e-3, 1e12, options.points)?;
-    let grid = Grid::new(&beta_s, &Axis::log(0.1, 1e3, options.points)?)?;
+    let beta_s = Sweep::log(1e-3, 1e12, options.points)?;
+    let grid = Grid::new(&beta_s, &Sweep::log(0.1, 1e3, options.points)?)?;
     println!("{:<40} {:<44} {:>13}", "method", "problem", "ns a point");
     let mut table = Table::default();
     let bare = closed_form_points(&grid, &mut table)?;
@@ -153,7 +153,7 @@ fn closed_form_points(grid: &Grid, table: &mut Table) -> Result<f64> {
 
 /// The cost of a point does not grow with the number of elements.
 fn sizes(table: &mut Table) -> Result<()> {
-    let grid = Grid::new(&Axis::log(1e-3, 1e12, 200)?, &Axis::log(0.1, 1e3, 200)?)?;
+    let grid = Grid::new(&Sweep::log(1e-3, 1e12, 200)?, &Sweep::log(0.1, 1e3, 200)?)?;
     for elements in [10, 1000, 1_000_000] {
         let model = bar_on_wall(elements, MassMatrix::CONSISTENT)?;
         let engine = model.closed_form();
@@ -202,7 +202,7 @@ fn unequal_bars(grid: &Grid, table: &mut Table) -> Result<f64> {
 
 /// The engines that work on the assembled pencil, at single penalties.
 fn engines(table: &mut Table) -> Result<()> {
-    let grid = Grid::new(&Axis::list([0.1, 10.0, 1e6]), &Axis::list([0.5, 2.0]))?;
+    let grid = Grid::new(&Sweep::list([0.1, 10.0, 1e6]), &Sweep::list([0.5, 2.0]))?;
     for elements in [10, 100] {
         let model = bar_on_wall(elements, MassMatrix::CONSISTENT)?;
         let pencil = model.pencil();

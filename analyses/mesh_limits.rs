@@ -11,7 +11,7 @@ use analyses::cli::{Analysis, Output, OutputOptions, Progress, Verdict, narrate,
 use analyses::error::Result;
 use analyses::meshes::{self, Fineness};
 use analyses::record::{MeshRow, StabilityRow, Subject};
-use bipenalty::stability::{AnyModel, Asking, Axis, Grid};
+use bipenalty::stability::{AnyModel, Asking, Grid, Sweep};
 use clap::{Parser, ValueEnum};
 use figure::Figure;
 use rayon::prelude::*;
@@ -156,7 +156,8 @@ impl Analysis for Options {
 
 /// C_r over beta_s of matching and unlike meshes.
 fn contact(fine: &Fineness, output: &Output, all: &mut Vec<StabilityRow>) -> Result<usize> {
-    let (beta_s, ratios) = (Axis::log(1e-2, 1e5, fine.points)?, Axis::list([0.25, 1.0, 4.0, f64::INFINITY]));
+    let (beta_s, ratios) =
+        (Sweep::log(1e-2, 1e5, fine.points)?, Sweep::list([0.25, 1.0, 4.0, f64::INFINITY]));
     let grid = Grid::new(&beta_s, &ratios)?;
     let rows = |model: &AnyModel| -> Result<Vec<StabilityRow>> {
         let curves = model.map(&grid, &Asking { tolerance: Some(1e-4), ..Asking::default() }, &|_| ())?;

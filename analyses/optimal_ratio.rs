@@ -16,7 +16,7 @@ use analyses::cli::{
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{OptimalRatioRow, Subject};
-use bipenalty::stability::{AnyModel, Axis, Grid, LimitOf, governing_bar};
+use bipenalty::stability::{AnyModel, Grid, LimitOf, Sweep, governing_bar};
 use clap::{Parser, ValueHint};
 
 /// The largest penalty ratio r that costs no time step, with its enclosure, over the stiffness penalty.
@@ -27,7 +27,7 @@ struct Options {
     scene: SceneOptions,
     /// Stiffness penalties: a list 1,1e4 or lin:1:10:10 or log:1e-3:1e12:61 (start:stop:count)
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "log:1e-3:1e12:61")]
-    beta_s: Axis,
+    beta_s: Sweep,
     #[command(flatten)]
     limit: LimitOptions,
     /// Draw the records of a CSV file, written by an earlier run, again without computing
@@ -79,7 +79,7 @@ impl Analysis for Options {
             return Ok(Plan::Redraw(file.clone()));
         }
         let models = plan(self)?;
-        let grid = checked_grid(&self.beta_s, &Axis::list([1.0, 1e12]))?;
+        let grid = checked_grid(&self.beta_s, &Sweep::list([1.0, 1e12]))?;
         // A row with its text and its cells.
         require_memory(&grid, 2000)?;
         let bars = models.iter().flatten().filter(|model| matches!(***model, AnyModel::Bars(_)));

@@ -5,17 +5,18 @@
 //! matrix: Fig. 3 of the paper with the four limits side by side, maps over (beta_s, r), the largest ratio that costs no
 //! step against the contact-free scene, and, since every ratio costs the Park scheme a step, how much each ratio costs.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use analyses::charts;
 use analyses::cli::{
-    Analysis, Chart, Job, Limit, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Verdict,
-    check_stems, check_touches, narrate, print_table,
+    Analysis, Chart, ForceOptions, ForcePlan, Job, Limit, LimitOptions, Output, OutputOptions, Progress,
+    SceneOptions, Verdict, check_stems, check_touches, narrate, print_costs, print_table, redraw_costs,
 };
 use analyses::error::{Refusal, Result};
-use analyses::record::{OptimalRatioRow, StabilityRow, Subject};
-use bipenalty::stability::{AnyModel, Axis};
+use analyses::record::{CostRow, OptimalRatioRow, StabilityRow, Subject};
+use bipenalty::stability::{AnyModel, Sweep};
 use clap::Parser;
 
 /// The stability limits of the schemes themselves with closed contact, and their optimal ratios.
@@ -28,19 +29,35 @@ struct Options {
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 0.5)]
     theta: f64,
     #[command(flatten)]
+    forces: ForceOptions,
+    #[command(flatten)]
     output: OutputOptions,
 }
 
 const EXAMPLES: &str = "Examples:
   scheme-limits                              a bar of 100 elements on a wall
   scheme-limits hunek --mass lumped --theta 1
-  scheme-limits my-bars.toml --mass lumped --stdout csv";
+  scheme-limits my-bars.toml --mass lumped --stdout csv
+  scheme-limits --per-force --mass lumped    what each scheme costs, over beta_s
+  scheme-limits --per-force --limit central-difference,noh-bathe:0.6 --beta-s 10 --ratio 1";
 
 const LIMITS: [Limit; 4] =
     [Limit::Spectrum, Limit::CentralDifference, Limit::PredictorCorrector, Limit::Park];
 
-/// What was found: the rows of the figures, and the largest ratios without cost.
-type Found = (Vec<StabilityRow>, Vec<OptimalRatioRow>);
+/// Records to draw again, limits of the models of each scene, one a mass matrix, or costs to compare.
+enum Plan {
+    Redraw(PathBuf),
+    Limits(Vec<Vec<Arc<AnyModel>>>),
+    Costs(ForcePlan),
+}
+
+/// What was found: the rows of the figures, the largest ratios without cost, and what schemes cost.
+#[derive(Default)]
+struct Found {
+    rows: Vec<StabilityRow>,
+    ratios: Vec<OptimalRatioRow>,
+    costs: Vec<CostRow>,
+}
 
 /// beta_s of a contact so stiff that only the ratio limits the step.
 const STIFF: f64 = 1e6;
@@ -51,8 +68,7 @@ fn main() -> ExitCode {
 
 impl Analysis for Options {
     const NAME: &'static str = "scheme-limits";
-    /// The models of each scene, one a mass matrix.
-    type Plan = Vec<Vec<Arc<AnyModel>>>;
+    type Plan = Plan;
     type Found = Found;
 
     fn output(&self) -> &OutputOptions {
@@ -63,25 +79,43 @@ impl Analysis for Options {
         plan(self)
     }
 
-    fn explain(&self, models: &Self::Plan) -> Result<String> {
-        Ok(models.iter().flatten().map(|model| explain(model)).collect())
+    fn explain(&self, plan: &Self::Plan) -> Result<String> {
+        Ok(match plan {
+            Plan::Redraw(file) => format!("{}: drawn again; left out: every computation\n", file.display()),
+            Plan::Limits(models) => models.iter().flatten().map(|model| explain(model)).collect(),
+            Plan::Costs(plan) => plan.explain(),
+        })
     }
 
-    fn compute(&self, models: Self::Plan, output: &Output) -> Result<(Found, usize)> {
-        compute(self, &models, output)
+    fn compute(&self, plan: Self::Plan, output: &Output) -> Result<(Found, usize)> {
+        let costs = |(costs, files)| (Found { costs, ..Found::default() }, files);
+        match plan {
+            Plan::Redraw(file) => redraw_costs(&file, output).map(costs),
+            Plan::Limits(models) => compute(self, &models, output),
+            Plan::Costs(plan) => plan.compute(output, self.output.quiet).map(costs),
+        }
     }
 
-    fn print(&self, (rows, _): &Found, output: &Output) -> Result<()> {
-        output.print(rows)
+    fn print(&self, found: &Found, output: &Output) -> Result<()> {
+        if found.costs.is_empty() { output.print(&found.rows) } else { output.print(&found.costs) }
     }
 
-    fn summarise(&self, (rows, ratios): &Found) {
-        summarise(rows, ratios);
+    fn summarise(&self, found: &Found) {
+        if found.costs.is_empty() {
+            summarise(&found.rows, &found.ratios);
+        } else {
+            print_costs(&found.costs);
+        }
     }
 
-    fn verdict(&self, (rows, ratios): &Found) -> Verdict {
-        let certified = rows.iter().all(|row| row.stable_courant().is_some());
-        if certified && ratios.iter().all(|row| row.holds) { Verdict::Holds } else { Verdict::Fails }
+    fn verdict(&self, found: &Found) -> Verdict {
+        let certified = found.rows.iter().all(|row| row.stable_courant().is_some());
+        let priced = found.costs.iter().all(|row| row.cost.is_some());
+        if certified && priced && found.ratios.iter().all(|row| row.holds) {
+            Verdict::Holds
+        } else {
+            Verdict::Fails
+        }
     }
 }
 
@@ -109,25 +143,33 @@ fn compute(options: &Options, models: &[Vec<Arc<AnyModel>>], output: &Output) ->
     }
     drop(progress);
     let ratios = optimal_ratios(models, theta, output, &mut files)?;
-    Ok(((printed, ratios), files))
+    Ok((Found { rows: printed, ratios, ..Found::default() }, files))
 }
 
 /// The bar of 100 elements on a wall unless told otherwise, with every mass matrix.
-fn plan(options: &Options) -> Result<Vec<Vec<Arc<AnyModel>>>> {
+fn plan(options: &Options) -> Result<Plan> {
+    if let Some(file) = &options.forces.from {
+        return Ok(Plan::Redraw(file.clone()));
+    }
     let mut asked = options.scene.clone();
     if asked.scenes.is_empty() {
         asked.scenes = vec!["signorini".to_owned()];
     }
     let models = asked.scenes()?.iter().map(|scene| asked.models(scene)).collect::<Result<Vec<_>>>()?;
+    models.iter().flatten().try_for_each(|model| check_touches(model))?;
+    if options.forces.per_force {
+        let plan = options.forces.plan(&models.concat(), options.theta)?;
+        check_stems(&options.output, plan.stems())?;
+        return Ok(Plan::Costs(plan));
+    }
     for model in models.iter().flatten() {
-        check_touches(model)?;
         LIMITS
             .iter()
             .filter(|limit| serves(model, **limit))
             .try_for_each(|limit| settings(*limit, options.theta).check(model))?;
     }
     check_stems(&options.output, models.iter().flatten().map(|model| stem("fig3", model)))?;
-    Ok(models)
+    Ok(Plan::Limits(models))
 }
 
 fn explain(model: &AnyModel) -> String {
@@ -156,9 +198,9 @@ fn settings(limit: Limit, theta: f64) -> LimitOptions {
 
 /// Fig. 3 and the map of one model.
 fn figures(model: &Arc<AnyModel>) -> Result<Vec<Job>> {
-    let ratios = Axis::list([0.25, 1.0, 2.0, 3.0, f64::INFINITY]);
-    let curves = Job::new(stem("fig3", model), vec![model.clone()], Axis::linear(0.0, 10.0, 401)?, ratios)?;
-    let (beta_s, ratio) = (Axis::log(1e-2, 1e6, 161)?, Axis::log(0.05, 1e2, 97)?);
+    let ratios = Sweep::list([0.25, 1.0, 2.0, 3.0, f64::INFINITY]);
+    let curves = Job::new(stem("fig3", model), vec![model.clone()], Sweep::linear(0.0, 10.0, 401)?, ratios)?;
+    let (beta_s, ratio) = (Sweep::log(1e-2, 1e6, 161)?, Sweep::log(0.05, 1e2, 97)?);
     Ok(vec![curves, Job::new(stem("map", model), vec![model.clone()], beta_s, ratio)?])
 }
 
@@ -200,7 +242,7 @@ fn draw(
 fn costs(models: &[Arc<AnyModel>], theta: f64, output: &Output, progress: &Progress) -> Result<usize> {
     let mut rows = Vec::new();
     for model in models {
-        let (beta_s, ratio) = (Axis::list([0.0, STIFF]), Axis::log(1e-2, 1e2, 121)?);
+        let (beta_s, ratio) = (Sweep::list([0.0, STIFF]), Sweep::log(1e-2, 1e2, 121)?);
         let job = Job::new(stem("cost", model), vec![model.clone()], beta_s, ratio)?;
         rows.push(solve(&job, model, theta, progress)?.split_off(1));
     }
@@ -243,7 +285,7 @@ fn optimal_ratios(
 
 fn ratios_of(model: &AnyModel, limit: Limit, theta: f64) -> Result<Vec<OptimalRatioRow>> {
     let (asking, subject) = (settings(limit, theta).asking()?, Subject::of(model)?);
-    let beta_s = Axis::log(1e-1, 1e6, 141)?.values;
+    let beta_s = Sweep::log(1e-1, 1e6, 141)?.values;
     let found = model.optimal_ratios(&beta_s, &asking, &|_| ())?;
     let row = |(beta_s, (found, expected)): (&f64, _)| {
         OptimalRatioRow::new(&subject, limit.name(), *beta_s, found, expected)

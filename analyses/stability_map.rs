@@ -16,7 +16,7 @@ use analyses::cli::{
 use analyses::error::{Refusal, Result};
 use analyses::record::{StabilityRow, StepRow, Subject};
 use bipenalty::scene::built_in;
-use bipenalty::stability::{AnyModel, Axis, LimitOf, eigenvalue};
+use bipenalty::stability::{AnyModel, LimitOf, Sweep, eigenvalue};
 use clap::{Parser, ValueHint};
 
 /// Critical time steps of bodies in contact: C_r over the stiffness penalty and the ratio, certified.
@@ -27,10 +27,10 @@ struct Options {
     scene: SceneOptions,
     /// Stiffness penalties: a list 0,0.5,10 or lin:0:10:401 or log:1e-3:1e12:301 (start:stop:count)
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
-    beta_s: Option<Axis>,
+    beta_s: Option<Sweep>,
     /// Stiffness penalties s in N/m, in the same forms, instead of beta_s: s of the contact of smallest scale, no other is softer
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true, conflicts_with = "beta_s")]
-    stiffness: Option<Axis>,
+    stiffness: Option<Sweep>,
     /// Penalty ratios r, in the same forms; inf is the pure penalty method, plastic the ratio of zero penetration
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
     ratio: Option<RatioSpec>,
@@ -244,7 +244,7 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
         };
         paper(&remeshed, &options.scene.masses(), options.scene.penalty_mass.into())?
     } else {
-        let linear = Axis::linear(0.0, 10.0, 401)?;
+        let linear = Sweep::linear(0.0, 10.0, 401)?;
         let spec = options.ratio.clone();
         let mut jobs = Vec::new();
         let mut models = Vec::new();
@@ -262,16 +262,16 @@ fn plan(options: &Options) -> Result<Vec<Job>> {
             // Without a contact there is one limit, whatever the penalties.
             let touches = model.contacts() > 0;
             let asks_map = touches && options.time_step.is_none();
-            let usual = if asks_map { linear.clone() } else { Axis::list([0.0]) };
+            let usual = if asks_map { linear.clone() } else { Sweep::list([0.0]) };
             let beta_s = penalties(options, &model)?.unwrap_or(usual);
             jobs.push(match &spec {
                 Some(RatioSpec::Plastic) => {
                     Job::plastic(stem, model, beta_s, options.relative_courant.unwrap_or(0.5))?
                 }
-                Some(RatioSpec::Axis(ratio)) => Job::new(stem, vec![model], beta_s, ratio.clone())?,
+                Some(RatioSpec::Sweep(ratio)) => Job::new(stem, vec![model], beta_s, ratio.clone())?,
                 None => {
                     let ratios = [0.5, 1.0, 2.0, 3.0, f64::INFINITY];
-                    let ratio = if touches { Axis::list(ratios) } else { Axis::list([1.0]) };
+                    let ratio = if touches { Sweep::list(ratios) } else { Sweep::list([1.0]) };
                     Job::new(stem, vec![model], beta_s, ratio)?
                 }
             });
@@ -297,12 +297,12 @@ fn named_by_limit(mut jobs: Vec<Job>, options: &Options) -> Result<Vec<Job>, Ref
 }
 
 /// beta_s as asked for: of a stiffness in N/m, divided by the smallest scale of the contacts.
-fn penalties(options: &Options, model: &AnyModel) -> Result<Option<Axis>, Refusal> {
+fn penalties(options: &Options, model: &AnyModel) -> Result<Option<Sweep>, Refusal> {
     match (&options.stiffness, model.smallest_scale()) {
         (None, _) => Ok(options.beta_s.clone()),
         (Some(stiffness), Some(scale)) => {
             let values = stiffness.values.iter().map(|s| s / scale).collect();
-            Ok(Some(Axis { values, log: stiffness.log }))
+            Ok(Some(Sweep { values, log: stiffness.log }))
         }
         (Some(_), None) => {
             let value = format!("given with scene {}", model.name());

@@ -20,8 +20,8 @@ use analyses::error::{Refusal, Result};
 use analyses::record::{GIVEN, StabilityRow, Subject, VerifyRow};
 use bipenalty::scene::{Scene, load};
 use bipenalty::schemes::{Scheme, SchemeName};
-use bipenalty::stability::{AnyModel, AnyScene, Asking, Axis, Grid, LimitOf};
-use bipenalty::verify::{Point, Prediction, Search, check_any, confirm_any, points_of, predict_any};
+use bipenalty::stability::{AnyModel, AnyScene, Asking, Grid, LimitOf, Sweep};
+use bipenalty::verify::{PenaltyPoint, Prediction, Search, check_any, confirm_any, points_of, predict_any};
 use clap::Parser;
 use rayon::prelude::*;
 
@@ -38,11 +38,11 @@ struct Options {
     /// Stiffness penalties: a list 0,0.5,10 or lin:0:10:11 or log:1e-3:1e12:20 (start:stop:count) [default: lin:0:10:11,
     /// opening contact: 1,10,100,1e4]
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
-    beta_s: Option<Axis>,
+    beta_s: Option<Sweep>,
     /// Penalty ratios r, in the same forms; inf is the pure penalty method [default: 0.5,1,2,3,inf, opening contact:
     /// 0.125,0.25,0.5,1,2,4,inf]
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
-    ratio: Option<Axis>,
+    ratio: Option<Sweep>,
     /// Schemes: central-difference, predictor-corrector, park
     #[arg(
         long,
@@ -174,7 +174,7 @@ fn check_used(options: &Options) -> Result<(), Refusal> {
 }
 
 /// The penalties asked for, or those of the kind of contact.
-fn axes(options: &Options, contact: Contact) -> Result<(Axis, Axis)> {
+fn axes(options: &Options, contact: Contact) -> Result<(Sweep, Sweep)> {
     let (beta_s, ratio) = match contact {
         Contact::Closed => ("lin:0:10:11", "0.5,1,2,3,inf"),
         Contact::Opening => ("1,10,100,1e4", "0.125,0.25,0.5,1,2,4,inf"),
@@ -216,8 +216,8 @@ fn plan_opening(options: &Options) -> Result<OpeningPlan> {
 
 /// What is done with contact held closed.
 struct Study {
-    beta_s: Axis,
-    ratio: Axis,
+    beta_s: Sweep,
+    ratio: Sweep,
     grid: Grid,
     jobs: Vec<Job>,
 }
@@ -271,7 +271,7 @@ impl Study {
     fn prediction(&self, model: &AnyModel, job: &Job) -> Result<Option<Vec<StabilityRow>>> {
         let ends = || self.beta_s.values.iter().copied();
         let (low, high) = (ends().fold(f64::INFINITY, f64::min), ends().fold(0.0, f64::max));
-        let fine = if self.beta_s.log { Axis::log(low, high, 201)? } else { Axis::linear(low, high, 201)? };
+        let fine = if self.beta_s.log { Sweep::log(low, high, 201)? } else { Sweep::linear(low, high, 201)? };
         let grid = Grid::new(&fine, &self.ratio)?;
         let asking = Asking { limit: LimitOf::Scheme(job.scheme.clone()), ..Asking::default() };
         let Ok(curves) = model.map(&grid, &asking, &|_| ()) else { return Ok(None) };
@@ -328,8 +328,8 @@ fn measure(
     progress: &Progress,
 ) -> Result<(Vec<VerifyRow>, Vec<Refusal>)> {
     let predicted = predict_any(model, &job.scheme, grid, job.tolerance);
-    let points: Vec<(Point, Result<Prediction, Refusal>)> = points_of(grid).zip(predicted).collect();
-    let row = |(point, predicted): (Point, Result<Prediction, Refusal>)| -> Result<_> {
+    let points: Vec<(PenaltyPoint, Result<Prediction, Refusal>)> = points_of(grid).zip(predicted).collect();
+    let row = |(point, predicted): (PenaltyPoint, Result<Prediction, Refusal>)| -> Result<_> {
         let (predicted, reason) = match predicted {
             Ok(predicted) => (Some(predicted), None),
             Err(reason) => (None, Some(reason)),

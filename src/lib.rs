@@ -56,13 +56,13 @@
 //! use bipenalty::penalty::PenaltyMass;
 //! use bipenalty::scene::{Bar, End, Scene};
 //! use bipenalty::spectrum::Spectrum;
-//! use bipenalty::stability::{Axis, Grid, Model, map};
+//! use bipenalty::stability::{Sweep, Grid, Model, map};
 //!
 //! let steel = Bar { length: 0.2, elements: 80, youngs_modulus: 210e9, density: 7850.0, area: 4e-4, velocity: 5.0 };
 //! let rod = Bar { length: 1.0, elements: 300, youngs_modulus: 70e9, density: 2700.0, area: 3e-4, velocity: 0.0 };
 //! let scene = Scene::new("striker", End::Free, vec![steel, rod], End::Fixed, None)?;
 //! let model = Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent);
-//! let grid = Grid::new(&Axis::log(1e-3, 1e12, 61)?, &Axis::list([1.0, f64::INFINITY]))?;
+//! let grid = Grid::new(&Sweep::log(1e-3, 1e12, 61)?, &Sweep::list([1.0, f64::INFINITY]))?;
 //! let curves = map(&model, &grid, &Spectrum(Box::new(model.auto())), &|_| ());
 //! let limit = curves[0].points[60].step?;
 //! assert!(model.time_step(limit.lower) > 4.8e-7); // r = 1 keeps the step, in s, even at beta_s = 1e12

@@ -5,7 +5,7 @@
 mod common;
 
 use bipenalty::fem::MassMatrix;
-use bipenalty::impact::{Ending, Exact, Mesh, Progress, Recording, Run, Summary};
+use bipenalty::impact::{Ending, Exact, Mesh, Observer, Recording, Run, Summary};
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::Penalty;
 use bipenalty::scene::{Bar, End, Impact, Scene, built_in};
@@ -231,7 +231,7 @@ fn a_run_that_blows_up_or_is_stopped_says_when() {
     let stop = std::sync::atomic::AtomicBool::new(true);
     let mut told = Vec::new();
     let mut report = |done, all| told.push((done, all));
-    let progress = Progress { stop: &stop, report: &mut report };
+    let progress = Observer { stop: &stop, report: &mut report };
     let history = run.execute(&Recording::default(), Some(progress)).unwrap();
     assert_eq!(history.ending, Ending::Stopped { step: 0, time: 0.0 });
     assert_eq!(told, [(0, run.steps())]);

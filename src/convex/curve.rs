@@ -8,7 +8,7 @@ use super::pencil::MeshPencil;
 use super::source::{Local, Source};
 use super::span::Line;
 use super::start::{self, Start};
-use super::upper::{Point, Upper};
+use super::upper::{ProvenPoint, Upper};
 use crate::error::Refusal;
 use crate::interrupt;
 
@@ -314,7 +314,7 @@ impl<S: Source> Curve<S> {
             }
         }
         if let Some(u) = proven {
-            self.upper.add(Point { t, u });
+            self.upper.add(ProvenPoint { t, u });
         }
         proven.is_some()
     }

@@ -8,7 +8,7 @@ use super::curve::Curve;
 use super::factor::Verdict;
 use super::source::Source;
 use super::span::Line;
-use super::upper::Point;
+use super::upper::ProvenPoint;
 
 /// Where f passes l.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,7 +97,7 @@ impl<S: Source> Curve<S> {
         for _ in 0..3 {
             match self.try_to_prove(l, (1.0, t), margin) {
                 Verdict::Proven => {
-                    self.upper.add(Point { t, u: l });
+                    self.upper.add(ProvenPoint { t, u: l });
                     return true;
                 }
                 Verdict::Refuted => break,

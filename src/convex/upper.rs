@@ -13,7 +13,7 @@
 
 /// f(t) <= u.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub struct ProvenPoint {
     /// t.
     pub t: f64,
     /// u.
@@ -25,7 +25,7 @@ pub struct Point {
 pub struct Upper {
     /// mu: proven, l_max(P, M) <= mu.
     slope: f64,
-    points: Vec<Point>,
+    points: Vec<ProvenPoint>,
     /// The lower convex hull of (t, u), ascending.
     chords: Vec<(f64, f64)>,
     /// The lower convex hull of (1/u, u/t), ascending, from (0, mu) on.
@@ -63,19 +63,19 @@ impl Upper {
     }
 
     /// All proven points, in the order of their proofs.
-    pub fn points(&self) -> &[Point] {
+    pub fn points(&self) -> &[ProvenPoint] {
         &self.points
     }
 
     /// Adds a proven point.
-    pub fn add(&mut self, point: Point) {
+    pub fn add(&mut self, point: ProvenPoint) {
         self.points.push(point);
         // What follows from another point alone says nothing, and would spoil the hull.
-        let follows = |q: &Point, p: &Point| q.u + self.slope * (p.t - q.t).max(0.0) < p.u;
-        let dominated = |p: &Point| self.points.iter().any(|q| follows(q, p));
-        let useful: Vec<Point> = self.points.iter().filter(|p| !dominated(p)).copied().collect();
+        let follows = |q: &ProvenPoint, p: &ProvenPoint| q.u + self.slope * (p.t - q.t).max(0.0) < p.u;
+        let dominated = |p: &ProvenPoint| self.points.iter().any(|q| follows(q, p));
+        let useful: Vec<ProvenPoint> = self.points.iter().filter(|p| !dominated(p)).copied().collect();
         self.chords = lower_hull(useful.iter().map(|p| (p.t, p.u)).collect());
-        let curve = |p: &Point| (p.t > 0.0).then_some((1.0 / p.u, p.u / p.t));
+        let curve = |p: &ProvenPoint| (p.t > 0.0).then_some((1.0 / p.u, p.u / p.t));
         self.curves = lower_hull(useful.iter().filter_map(curve).chain([(0.0, self.slope)]).collect());
     }
 

@@ -22,11 +22,11 @@ pub(super) struct Search {
     /// The last point, ln(kappa/l_max) there.
     last: Option<(f64, f64)>,
     rounds: usize,
-    state: Progress,
+    state: Outcome,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Progress {
+enum Outcome {
     Open,
     /// 1 lies within the last enclosure of kappa/l_max, or low and high are neighbours.
     Found,
@@ -40,12 +40,12 @@ impl Search {
     pub fn new(damping: Damping, undamped: f64, unheld: bool) -> Self {
         let next = damping.place(undamped).max(damping.floor());
         let (low, high) = (damping.floor(), f64::INFINITY);
-        Self { damping, unheld, low, high, next, last: None, rounds: 0, state: Progress::Open }
+        Self { damping, unheld, low, high, next, last: None, rounds: 0, state: Outcome::Open }
     }
 
     /// The next problem to enclose; `None` at the end.
     pub fn ask(&self) -> Option<Equivalent> {
-        (self.state == Progress::Open).then(|| self.damping.at(self.next))
+        (self.state == Outcome::Open).then(|| self.damping.at(self.next))
     }
 
     /// Takes an enclosure of the l_max that was asked for.
@@ -53,7 +53,7 @@ impl Search {
         let (y, kappa) = (self.next, self.damping.at(self.next).l);
         let (least, most) = (l_max.lower / kappa * (1.0 - ROUNDING), l_max.upper / kappa * (1.0 + ROUNDING));
         if !(least > 0.0 && most >= least && most.is_finite() && kappa.is_finite()) {
-            self.state = Progress::Failed;
+            self.state = Outcome::Failed;
             return;
         }
         // Powers are right to a few units in the last place; an exponent of at most 1 passes on no more than its base has.
@@ -65,11 +65,11 @@ impl Search {
         self.rounds += 1;
         let neighbours = self.high <= self.low * (1.0 + 8.0 * f64::EPSILON);
         if y <= self.damping.floor() && !above {
-            self.state = Progress::AtMass;
+            self.state = Outcome::AtMass;
         } else if (below && above) || neighbours {
-            self.state = Progress::Found;
+            self.state = Outcome::Found;
         } else if self.rounds >= ROUNDS {
-            self.state = Progress::Failed;
+            self.state = Outcome::Failed;
         } else {
             self.choose(y, -(l_max.value / kappa).ln());
         }
@@ -92,9 +92,9 @@ impl Search {
     pub fn step(&self) -> Option<Step> {
         let mass = self.damping.mass;
         let (low, high) = match self.state {
-            Progress::Found => (self.low, self.high),
-            Progress::AtMass => (mass, self.damping.floor()),
-            Progress::Open | Progress::Failed => return None,
+            Outcome::Found => (self.low, self.high),
+            Outcome::AtMass => (mass, self.damping.floor()),
+            Outcome::Open | Outcome::Failed => return None,
         };
         let square = |y: f64, margin: f64| y * y * (1.0 + margin);
         let (lower, upper) = (square(low, -2.0 * f64::EPSILON), square(high, 2.0 * f64::EPSILON));

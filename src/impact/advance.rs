@@ -15,7 +15,7 @@ const STEPS_BETWEEN_LOOKS: u64 = 64;
 const BLOW_UP: f64 = 1e6;
 
 /// Who wants to know how far a run is, and may stop it.
-pub struct Progress<'a> {
+pub struct Observer<'a> {
     /// Set from elsewhere to stop the run; what is finished is kept.
     pub stop: &'a AtomicBool,
     /// Called now and then with the steps done and the steps to do.
@@ -42,7 +42,7 @@ pub(super) fn steps(duration: f64, time_step: f64) -> u64 {
 pub(super) fn advance(
     motion: &mut dyn Motion,
     pace: Pace,
-    mut progress: Option<Progress>,
+    mut progress: Option<Observer>,
     mut note: impl FnMut(u64, bool, &mut dyn Motion),
 ) -> Ending {
     let Pace { steps, time_step, reference_speed } = pace;
@@ -52,7 +52,7 @@ pub(super) fn advance(
         if step % STEPS_BETWEEN_LOOKS == 0 && !within(&motion.state().velocity, bound) {
             return Ending::BlewUp { step, time };
         }
-        if let Some(Progress { stop, report }) = &mut progress
+        if let Some(Observer { stop, report }) = &mut progress
             && step % STEPS_BETWEEN_CHECKS == 0
         {
             report(step, steps);

@@ -22,7 +22,7 @@ mod run;
 mod summary;
 mod throw;
 
-pub use advance::Progress;
+pub use advance::Observer;
 pub use comparison::{Accuracy, Comparison};
 pub use encounter::Encounter;
 pub use exact::Exact;

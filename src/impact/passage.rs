@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::advance::{Pace, Progress, advance, steps};
+use super::advance::{Observer, Pace, advance, steps};
 use super::run::MAX_STEPS;
 use super::{Encounter, Ending, Outcome, Record};
 use crate::error::Refusal;
@@ -117,7 +117,7 @@ impl Passage {
     pub fn execute(
         &self,
         every: u64,
-        progress: Option<Progress>,
+        progress: Option<Observer>,
         mut see: impl FnMut(f64, &dyn Motion),
     ) -> Result<Record, Refusal> {
         self.check_rows(every)?;
@@ -138,7 +138,7 @@ impl Passage {
     pub fn stream(
         &self,
         every: u64,
-        progress: Option<Progress>,
+        progress: Option<Observer>,
         mut see: impl FnMut(f64, &mut dyn Motion),
     ) -> Result<Outcome, Refusal> {
         if every == 0 {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::advance::{self, Pace, Progress, advance};
+use super::advance::{self, Observer, Pace, advance};
 use super::comparison::Comparison;
 use super::{Ending, History, Mesh, Recording, StressField};
 use crate::error::Refusal;
@@ -193,7 +193,7 @@ impl Run {
     ///
     /// # Errors
     /// As [`Run::prepare`] and [`Run::check`].
-    pub fn execute(&self, recording: &Recording, progress: Option<Progress>) -> Result<History, Refusal> {
+    pub fn execute(&self, recording: &Recording, progress: Option<Observer>) -> Result<History, Refusal> {
         self.check(recording)?;
         let mut motion = self.prepare(recording.energies)?;
         let mut recorder = Recorder::new(self, recording);

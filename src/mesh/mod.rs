@@ -42,6 +42,6 @@ pub mod topology;
 mod vtu;
 
 pub use assembly::{Body, Elements, HELD};
-pub use scene::{Assembled, BodySource, Contact, MeshImpact, MeshScene, Opponent, Place, SurfaceName};
+pub use scene::{Assembled, BodySource, MeshImpact, MeshScene, Opponent, Place, SurfaceContact, SurfaceName};
 pub use stress::von_mises;
 pub use vtu::{Field, write_pvd};

@@ -105,7 +105,7 @@ impl std::fmt::Display for Place {
 
 /// One contact: gap = z'u + g0, positive in penetration.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Contact {
+pub struct SurfaceContact {
     /// z on the free degrees of freedom.
     pub column: SparseVector,
     /// w, N/m: what beta_s multiplies.
@@ -125,7 +125,7 @@ pub struct Assembled {
     pub mass: Matrix,
     /// The contacts in the order of the scene, each surface by ascending nodes. A contact whose degrees of freedom are all
     /// held is left out: nothing there can move.
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<SurfaceContact>,
     /// The elements, for patches and for reports.
     pub elements: Elements,
 }
@@ -133,7 +133,8 @@ pub struct Assembled {
 impl Assembled {
     /// The contacts as the gaps of a pencil.
     pub fn gaps(&self) -> Vec<Gap> {
-        let gap = |c: &Contact| Gap { column: c.column.clone(), scale: c.scale, initial: c.initial_gap };
+        let gap =
+            |c: &SurfaceContact| Gap { column: c.column.clone(), scale: c.scale, initial: c.initial_gap };
         self.contacts.iter().map(gap).collect()
     }
 }
@@ -223,7 +224,7 @@ impl MeshScene {
         second: &Opponent,
         stiffness: &Csr,
         body_of: &[u32],
-    ) -> Result<Vec<Contact>> {
+    ) -> Result<Vec<SurfaceContact>> {
         let (own, other) = match second {
             Opponent::Wall => (first, first),
             Opponent::Surface(second) => (first, second),
@@ -242,7 +243,7 @@ impl MeshScene {
                 continue;
             };
             let place = place(elements, own, second, node_contact.node);
-            contacts.push(Contact { column, scale, initial_gap: node_contact.initial, place });
+            contacts.push(SurfaceContact { column, scale, initial_gap: node_contact.initial, place });
         }
         if contacts.is_empty() {
             let value = match second {

@@ -14,14 +14,14 @@ const BYTES_PER_VALUE: u64 = 48;
 
 /// Values along one axis, in the order given; `log` tells how a chart should space them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub struct Sweep {
     /// The values.
     pub values: Vec<f64>,
     /// Whether they are spaced by equal factors.
     pub log: bool,
 }
 
-impl Axis {
+impl Sweep {
     /// A list of values.
     pub fn list(values: impl Into<Vec<f64>>) -> Self {
         Self { values: values.into(), log: false }
@@ -46,7 +46,7 @@ impl Axis {
     /// `count` values from `start` to `stop`, both included, by equal factors; whole powers of ten are exact.
     ///
     /// # Errors
-    /// As [`Axis::linear`]; also refuses a start that is not positive.
+    /// As [`Sweep::linear`]; also refuses a start that is not positive.
     pub fn log(start: f64, stop: f64, count: usize) -> Result<Self, Refusal> {
         check_range(start, stop, count)?;
         if start <= 0.0 {
@@ -88,7 +88,7 @@ fn check_range(start: f64, stop: f64, count: usize) -> Result<(), Refusal> {
     })
 }
 
-impl FromStr for Axis {
+impl FromStr for Sweep {
     type Err = Refusal;
 
     /// `0,0.5,10`, `lin:0:10:401` or `log:1e-3:1e12:301` (start:stop:count, ends included).
@@ -143,7 +143,7 @@ impl Grid {
     /// # Errors
     /// Refuses an empty axis, a beta_s that is negative or not finite, an r that is not positive, and more than
     /// `MAX_POINTS` points.
-    pub fn new(beta_s: &Axis, ratio: &Axis) -> Result<Self, Refusal> {
+    pub fn new(beta_s: &Sweep, ratio: &Sweep) -> Result<Self, Refusal> {
         let points = beta_s.values.len().checked_mul(ratio.values.len());
         if points.is_none_or(|points| points == 0 || points > MAX_POINTS) {
             let value = format!("a grid of {} x {} points", beta_s.values.len(), ratio.values.len());

@@ -18,7 +18,7 @@ pub use any::{
 pub use auto::Auto;
 pub use closed_form::ClosedForm;
 pub use contour::{contour, scheme_contour};
-pub use grid::{Axis, Grid};
+pub use grid::{Grid, Sweep};
 pub use map::{Curve, MapPoint, map};
 pub use model::{CriticalStep, EngineName, Model};
 pub use optimal_ratio::{

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::lattice::Lattice;
 use super::prediction::judged;
 use super::trial::{Stepped, Trials};
-use super::{Confirmation, Limit, Point, Prediction, Predictor, Search, steps_to_show};
+use super::{Bracket, Confirmation, PenaltyPoint, Prediction, Predictor, Search, steps_to_show};
 use crate::error::{Refusal, Result};
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::schemes::Scheme;
@@ -22,7 +22,7 @@ pub struct Seconds {
     /// Its neighbour, whose trial did, s.
     pub unstable_at: f64,
     /// The same in Courant numbers: c0 dt/h of bars, omega_ref dt/2 of matrices and meshes.
-    pub courant: Limit,
+    pub courant: Bracket,
 }
 
 /// A prediction is enclosed more closely than stepping brackets by this factor, so that its width decides nothing.
@@ -34,7 +34,12 @@ const CLOSER: f64 = 1.0 / 64.0;
 /// # Errors
 /// A step that is not positive, what [`Scheme::start`] and [`Search::to`] refuse, penalties that f64 cannot hold, a
 /// contact-free limit that is not enclosed, and a model that no step makes unstable.
-pub fn limit_of_any(model: &AnyModel, scheme: &dyn Scheme, point: Point, search: &Search) -> Result<Seconds> {
+pub fn limit_of_any(
+    model: &AnyModel,
+    scheme: &dyn Scheme,
+    point: PenaltyPoint,
+    search: &Search,
+) -> Result<Seconds> {
     let (trials, first) = trials(model, scheme, point, search)?;
     let unit = model.time_step(1.0)?;
     let courant = Lattice::new(&trials).limit(first)?;
@@ -46,7 +51,7 @@ pub fn limit_of_any(model: &AnyModel, scheme: &dyn Scheme, point: Point, search:
 /// # Errors
 /// As [`limit_of_any`].
 pub fn check_any(model: &AnyModel, scheme: &dyn Scheme, search: &Search) -> Result<()> {
-    let point = Point { stiffness_penalty: StiffnessPenalty::new(1.0)?, ratio: Ratio::OPTIMAL };
+    let point = PenaltyPoint { stiffness_penalty: StiffnessPenalty::new(1.0)?, ratio: Ratio::OPTIMAL };
     Ok(trials(model, scheme, point, search)?.0.start(1.0).map(|_| ())?)
 }
 
@@ -62,7 +67,7 @@ pub fn predict_any(
         AnyModel::Bars(bars) => {
             let pencil = bars.pencil();
             Predictor::new(bars, &pencil, &**scheme).map(|predictor| {
-                let points: Vec<Point> = points_of(grid).collect();
+                let points: Vec<PenaltyPoint> = points_of(grid).collect();
                 points.par_iter().map(|point| predictor.at(*point, tolerance)).collect()
             })
         }
@@ -79,10 +84,10 @@ pub fn predict_any(
 }
 
 /// The points of a grid, ratio by ratio, as maps have them.
-pub fn points_of(grid: &Grid) -> impl Iterator<Item = Point> + '_ {
+pub fn points_of(grid: &Grid) -> impl Iterator<Item = PenaltyPoint> + '_ {
     let of_ratio = |ratio: &Ratio| {
         let ratio = *ratio;
-        grid.stiffness_penalties.iter().map(move |b| Point { stiffness_penalty: *b, ratio })
+        grid.stiffness_penalties.iter().map(move |b| PenaltyPoint { stiffness_penalty: *b, ratio })
     };
     grid.ratios.iter().flat_map(of_ratio)
 }
@@ -94,7 +99,7 @@ pub fn points_of(grid: &Grid) -> impl Iterator<Item = Point> + '_ {
 pub fn confirm_any(
     model: &AnyModel,
     scheme: &dyn Scheme,
-    point: Point,
+    point: PenaltyPoint,
     tolerance: f64,
     predicted: Option<Prediction>,
 ) -> Result<Confirmation> {
@@ -106,7 +111,7 @@ pub fn confirm_any(
 fn trials<'a>(
     model: &AnyModel,
     scheme: &'a dyn Scheme,
-    point: Point,
+    point: PenaltyPoint,
     search: &Search,
 ) -> Result<(Trials<'a>, f64)> {
     let penalty = model.penalty(point.stiffness_penalty, point.ratio)?;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::trial::{STRIDE, Trial, Trials};
-use super::{Limit, Search};
+use super::{Bracket, Search};
 use crate::error::Refusal;
 
 /// Octaves of Courant numbers on either side of 1 beyond which no limit is looked for.
@@ -41,7 +41,7 @@ impl<'a> Lattice<'a> {
     }
 
     /// The limit; `first` is where to look first.
-    pub fn limit(mut self, first: f64) -> Result<Limit, Refusal> {
+    pub fn limit(mut self, first: f64) -> Result<Bracket, Refusal> {
         let end = OCTAVES * self.octave;
         let place = (first.log2() * self.octave as f64).floor();
         // A guess that is no number, or beyond every limit, says nothing.
@@ -61,7 +61,7 @@ impl<'a> Lattice<'a> {
         self.answer(limit)
     }
 
-    fn answer(mut self, stable: Option<i64>) -> Result<Limit, Refusal> {
+    fn answer(mut self, stable: Option<i64>) -> Result<Bracket, Refusal> {
         let lowest = self.seen.iter().find(|(_, trial)| trial.grows).map(|(k, _)| *k);
         let (stable_at, unstable) = match (stable, lowest) {
             (Some(k), _) => (self.courant(k), k + 1),
@@ -76,7 +76,7 @@ impl<'a> Lattice<'a> {
         };
         let growth = self.at(unstable)?.growth;
         let (unstable_at, steps) = (self.courant(unstable), self.trials.search.steps);
-        Ok(Limit { stable_at, unstable_at, growth, steps, total_steps: self.total_steps })
+        Ok(Bracket { stable_at, unstable_at, growth, steps, total_steps: self.total_steps })
     }
 
     fn courant(&self, k: i64) -> f64 {

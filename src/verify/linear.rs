@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Point, Search, limit_of_any};
+use super::{PenaltyPoint, Search, limit_of_any};
 use crate::error::{Refusal, Result};
 use crate::schemes::{Scheme, SchemeName};
 use crate::spectrum::Uncertified;
@@ -56,7 +56,7 @@ fn costs_nothing(name: &str) -> bool {
 ///
 /// # Errors
 /// A contact-free limit that is not enclosed; what stepping refuses where nothing else tells.
-pub fn linear_step(model: &AnyModel, scheme: &Arc<dyn Scheme>, point: Point) -> Result<LinearStep> {
+pub fn linear_step(model: &AnyModel, scheme: &Arc<dyn Scheme>, point: PenaltyPoint) -> Result<LinearStep> {
     let enclosed = |step: std::result::Result<CriticalStep, Uncertified>| {
         step.map_err(|error| Refusal::new(model.name(), error, "points whose limit is enclosed"))
     };

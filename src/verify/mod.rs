@@ -48,7 +48,7 @@
 //! *Growth at every step.* A motion that grows in time, whatever the step, looks stable where the step is so small that a
 //! trial no longer sees it. Growth that begins at a limit is fast beyond it: unless a trial at two or four times the step
 //! passes the threshold within 1/2^5 or 1/4^5 of the steps, the pair says how much a trial can see and nothing about
-//! stability, and no stable step is reported ([`Limit::stable_at`] = 0). Nor is one where the upper trial of the pair grew by a late
+//! stability, and no stable step is reported ([`Bracket::stable_at`] = 0). Nor is one where the upper trial of the pair grew by a late
 //! rise alone and the lower one is too short for late rises to count. Growth a step in proportion to dt^p, p < 5, is so
 //! found out wherever N/4^5 steps are at least the 7 between two looks at the size (derived for that form of growth,
 //! tried on p = 1). A limit beyond which all growth is slower than that is reported as none.
@@ -148,7 +148,7 @@ impl Search {
 
 /// A limit between two Courant numbers c0 dt/h of the reference element.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limit {
+pub struct Bracket {
     /// The Courant number below the limit, whose trial did not grow; 0 if no step was found that is stable.
     pub stable_at: f64,
     /// Its neighbour, whose trial did; without a stable step, the smallest that was tried and grew.
@@ -161,7 +161,7 @@ pub struct Limit {
     pub total_steps: u64,
 }
 
-impl Limit {
+impl Bracket {
     /// The middle of the bracket.
     pub fn courant(&self) -> f64 {
         0.5 * (self.stable_at + self.unstable_at)
@@ -196,7 +196,7 @@ impl Limit {
 
 /// The point of a map at which a limit is wanted.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub struct PenaltyPoint {
     /// beta_s.
     pub stiffness_penalty: StiffnessPenalty,
     /// r.
@@ -211,9 +211,9 @@ pub struct Point {
 pub fn largest_stable_courant(
     model: &Model,
     scheme: &dyn Scheme,
-    point: Point,
+    point: PenaltyPoint,
     search: &Search,
-) -> Result<Limit, Refusal> {
+) -> Result<Bracket, Refusal> {
     model.check(point.stiffness_penalty, point.ratio)?;
     limit_from(1.0, model, scheme, model.penalty(point.stiffness_penalty, point.ratio), search)
 }
@@ -229,7 +229,7 @@ pub fn limit_from(
     scheme: &dyn Scheme,
     penalty: Penalty,
     search: &Search,
-) -> Result<Limit, Refusal> {
+) -> Result<Bracket, Refusal> {
     Lattice::new(&Trials::new(Stepped::bars(model, &penalty)?, scheme, penalty, search)?).limit(first)
 }
 
@@ -249,8 +249,8 @@ pub fn check(model: &Model, scheme: &dyn Scheme, search: &Search) -> Result<(), 
 pub fn limits(
     model: &Model,
     scheme: &dyn Scheme,
-    points: &[Point],
+    points: &[PenaltyPoint],
     search: &Search,
-) -> Result<Vec<Limit>, Refusal> {
+) -> Result<Vec<Bracket>, Refusal> {
     points.par_iter().map(|point| largest_stable_courant(model, scheme, *point, search)).collect()
 }

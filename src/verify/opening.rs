@@ -49,7 +49,7 @@ use crate::scene::{Bar, ContactSite, End, Impact, Scene};
 use crate::schemes::{Motion, Scheme};
 use crate::stability::Model;
 
-use super::{Point, Predictor};
+use super::{PenaltyPoint, Predictor};
 
 /// Times that a wave runs through the row of bars under a sustained load.
 pub const TRANSITS: f64 = 20.0;
@@ -276,7 +276,7 @@ impl<'a> LinearLimit<'a> {
     ///
     /// # Errors
     /// As [`Predictor::step`].
-    pub fn relative(&self, point: Point) -> Result<f64, Refusal> {
+    pub fn relative(&self, point: PenaltyPoint) -> Result<f64, Refusal> {
         let (closed, contact_free) = (self.predictor.step(point)?.l.value, self.predictor.contact_free());
         Ok((contact_free / closed.max(contact_free)).sqrt())
     }

@@ -9,7 +9,7 @@ use crate::stability::Model;
 use super::lattice::Lattice;
 use super::slowest::slowest_period;
 use super::trial::{Stepped, Trials};
-use super::{Limit, Point, Search, steps_to_show};
+use super::{Bracket, PenaltyPoint, Search, steps_to_show};
 
 /// A predicted limit and what a run just above it does.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +68,7 @@ impl<'a> Predictor<'a> {
     ///
     /// # Errors
     /// A limit that could not be certified.
-    pub fn step(&self, point: Point) -> Result<Step, Refusal> {
+    pub fn step(&self, point: PenaltyPoint) -> Result<Step, Refusal> {
         let penalty = self.model.penalty(point.stiffness_penalty, point.ratio);
         let uncertified = |e| Refusal::new(self.model.scene().name(), e, "points whose limit is certified");
         self.limit.enclose(&penalty, None).map_err(uncertified)
@@ -78,7 +78,7 @@ impl<'a> Predictor<'a> {
     ///
     /// # Errors
     /// As [`Self::step`].
-    pub fn at(&self, point: Point, tolerance: f64) -> Result<Prediction, Refusal> {
+    pub fn at(&self, point: PenaltyPoint, tolerance: f64) -> Result<Prediction, Refusal> {
         let step = self.step(point)?;
         let penalty = self.model.penalty(point.stiffness_penalty, point.ratio);
         let growth = self.limit.growth(&penalty, &step, 1.0 + tolerance);
@@ -104,8 +104,8 @@ pub struct Confirmation {
     /// What was predicted, where there is a prediction.
     pub predicted: Option<Prediction>,
     /// What was found.
-    pub found: Limit,
-    /// See [`Limit::judge`]; false too if a trial in the middle of a predicted island grew.
+    pub found: Bracket,
+    /// See [`Bracket::judge`]; false too if a trial in the middle of a predicted island grew.
     pub agrees: Option<bool>,
 }
 
@@ -117,7 +117,7 @@ pub struct Confirmation {
 pub fn confirm(
     model: &Model,
     scheme: &dyn Scheme,
-    point: Point,
+    point: PenaltyPoint,
     tolerance: f64,
     predicted: Option<Prediction>,
 ) -> Result<Confirmation, Refusal> {

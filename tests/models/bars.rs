@@ -7,7 +7,7 @@ use bipenalty::scene::load;
 use bipenalty::schemes::SchemeName;
 use bipenalty::sparse::Csr;
 use bipenalty::spectrum::Uncertified;
-use bipenalty::stability::{AnyModel, Asking, Axis, Grid, LimitOf, MeshModel, Model};
+use bipenalty::stability::{AnyModel, Asking, Grid, LimitOf, MeshModel, Model, Sweep};
 
 /// The same matrices without what makes them a row of bars.
 pub fn as_matrices(model: &Model) -> MeshModel {
@@ -35,8 +35,8 @@ pub fn bars(name: &str, elements: usize, mass: MassMatrix) -> Model {
 #[test]
 fn bars_as_matrices_give_the_numbers_of_the_bar_engines() {
     let grid = Grid::new(
-        &Axis::list([0.0, 1e-6, 0.3, 10.0, 1e4, 1e9]),
-        &Axis::list([1e-2, 0.5, 1.0, 2.0, 1e3, f64::INFINITY]),
+        &Sweep::list([0.0, 1e-6, 0.3, 10.0, 1e4, 1e9]),
+        &Sweep::list([1e-2, 0.5, 1.0, 2.0, 1e3, f64::INFINITY]),
     )
     .unwrap();
     let mut wide = 0;

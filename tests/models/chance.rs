@@ -5,7 +5,7 @@ use bipenalty::penalty::PenaltyMass;
 use bipenalty::pencil::Matrix;
 use bipenalty::sparse::{Csr, SparseVector};
 use bipenalty::spectrum::Evidence;
-use bipenalty::stability::{AnyModel, AnyScene, Asking, Axis, Grid, MeshModel, Prover};
+use bipenalty::stability::{AnyModel, AnyScene, Asking, Grid, MeshModel, Prover, Sweep};
 
 use crate::scenes::TWO_BLOCKS;
 
@@ -25,9 +25,11 @@ fn without_elements(mass: MassMatrix) -> AnyModel {
 #[test]
 fn a_map_by_chance_holds_the_proven_one() {
     let model = without_elements(MassMatrix::LUMPED);
-    let grid =
-        Grid::new(&Axis::list([0.0, 1e-3, 0.1, 1.0, 10.0, 1e4]), &Axis::list([0.5, 1.0, 3.0, f64::INFINITY]))
-            .unwrap();
+    let grid = Grid::new(
+        &Sweep::list([0.0, 1e-3, 0.1, 1.0, 10.0, 1e4]),
+        &Sweep::list([0.5, 1.0, 3.0, f64::INFINITY]),
+    )
+    .unwrap();
     let proven = model.map(&grid, &Asking { tolerance: Some(1e-6), ..Asking::default() }, &|_| ()).unwrap();
     let asking = Asking { tolerance: Some(1e-3), memory: Some(100_000), ..Asking::default() };
     let plan = model.plan(grid.len(), &asking).unwrap();

@@ -5,7 +5,7 @@ use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::Matrix;
 use bipenalty::schemes::{Scheme, SchemeName};
 use bipenalty::stability::{AnyModel, AnyScene, Asking, MeshModel};
-use bipenalty::verify::{Point, Search, limit_of_any};
+use bipenalty::verify::{PenaltyPoint, Search, limit_of_any};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Par, Side};
 
@@ -89,7 +89,7 @@ fn stepping_confirms_the_limits_of_all_schemes_in_the_plane_and_in_space() {
         let model = model(text, mass);
         let AnyModel::Mesh(mesh) = &model else { panic!() };
         let (beta_s, ratio) = (20.0, 3.0);
-        let point = Point {
+        let point = PenaltyPoint {
             stiffness_penalty: StiffnessPenalty::new(beta_s).unwrap(),
             ratio: Ratio::new(ratio).unwrap(),
         };

@@ -70,7 +70,7 @@ fn the_park_limit_holds_for_coupled_contacts() {
 }
 
 /// One to three contacts, one or two elements between them, contrasts to 1e3: a model and its penalty.
-struct Point {
+struct CoupledPoint {
     model: Model,
     theta: f64,
     beta_s: f64,
@@ -79,7 +79,7 @@ struct Point {
     numbers: Numbers,
 }
 
-fn point_of(point: u64) -> Point {
+fn point_of(point: u64) -> CoupledPoint {
     let mut numbers = Numbers(1000 + 7919 * point);
     for _ in 0..5 {
         numbers.next();
@@ -98,11 +98,11 @@ fn point_of(point: u64) -> Point {
     let ratio = numbers.one_of(&[0.1, 0.25, 1.0, 3.0, 30.0, f64::INFINITY]);
     let beta_s = 10f64.powf(numbers.between(0.0, 6.0));
     let penalty = penalties(&model, beta_s, ratio);
-    Point { model, theta, beta_s, ratio, penalty, numbers }
+    CoupledPoint { model, theta, beta_s, ratio, penalty, numbers }
 }
 
 fn check(point: u64) -> [usize; 2] {
-    let Point { model, theta, beta_s, ratio, penalty: p, mut numbers } = point_of(point);
+    let CoupledPoint { model, theta, beta_s, ratio, penalty: p, mut numbers } = point_of(point);
     let pencil = model.pencil();
     let engine = limit_of(&model, &pencil, SchemeName::Park, theta);
     let place = || format!("point {point}, beta_s = {beta_s:e}, r = {ratio}, theta = {theta}, {model:?}");
@@ -142,7 +142,7 @@ fn the_bound_of_the_predictor_corrector_and_the_spectrum_hold_for_coupled_contac
 }
 
 fn look(point: u64) -> [usize; 4] {
-    let Point { model, beta_s, ratio, penalty, mut numbers, .. } = point_of(point);
+    let CoupledPoint { model, beta_s, ratio, penalty, mut numbers, .. } = point_of(point);
     let pencil = model.pencil();
     let dense = Dense::new(&pencil, &penalty);
     let place = || format!("point {point}, beta_s = {beta_s:e}, r = {ratio}, {model:?}");

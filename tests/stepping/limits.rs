@@ -6,12 +6,17 @@ use bipenalty::scene::{Bar, End, Scene, built_in};
 use bipenalty::schemes::{CentralDifference, Park, PredictorCorrector, SchemeName};
 use bipenalty::spectrum::Evidence;
 use bipenalty::stability::Model;
-use bipenalty::verify::{Point, Prediction, Predictor, Search, confirm, largest_stable_courant, limits};
+use bipenalty::verify::{
+    PenaltyPoint, Prediction, Predictor, Search, confirm, largest_stable_courant, limits,
+};
 
 use super::{MASSES, unit_bar};
 
-fn point(beta_s: f64, ratio: f64) -> Point {
-    Point { stiffness_penalty: StiffnessPenalty::new(beta_s).unwrap(), ratio: Ratio::new(ratio).unwrap() }
+fn point(beta_s: f64, ratio: f64) -> PenaltyPoint {
+    PenaltyPoint {
+        stiffness_penalty: StiffnessPenalty::new(beta_s).unwrap(),
+        ratio: Ratio::new(ratio).unwrap(),
+    }
 }
 
 fn model(scene: &str, elements: usize, mass: MassMatrix) -> Model {
@@ -19,16 +24,16 @@ fn model(scene: &str, elements: usize, mass: MassMatrix) -> Model {
     Model::new(scene, mass, PenaltyMass::Consistent)
 }
 
-fn predicted(model: &Model, point: Point) -> f64 {
+fn predicted(model: &Model, point: PenaltyPoint) -> f64 {
     let penalty = model.penalty(point.stiffness_penalty, point.ratio);
     model.critical_courant(model.closed_form().unproven(&penalty))
 }
 
 /// The largest relative distance between prediction and the middle of the bracket.
-fn worst(model: &Model, points: &[Point], tolerance: f64) -> f64 {
+fn worst(model: &Model, points: &[PenaltyPoint], tolerance: f64) -> f64 {
     let search = Search::to(tolerance, &CentralDifference).unwrap();
     let found = limits(model, &CentralDifference, points, &search).unwrap();
-    let error = |(point, limit): (&Point, &bipenalty::verify::Limit)| {
+    let error = |(point, limit): (&PenaltyPoint, &bipenalty::verify::Bracket)| {
         (limit.courant() / predicted(model, *point) - 1.0).abs()
     };
     points.iter().zip(&found).map(error).fold(0.0, f64::max)
@@ -62,7 +67,7 @@ fn central_differences_have_the_limit_of_the_spectrum_on_a_map() {
 }
 
 /// dt^2 = m/s + 1/(s mu), or the contact-free limit if that is smaller.
-fn predictor_corrector_limit(model: &Model, at: Point) -> f64 {
+fn predictor_corrector_limit(model: &Model, at: PenaltyPoint) -> f64 {
     let pencil = model.pencil();
     let p = model.penalty(at.stiffness_penalty, at.ratio).terms(model.scales()[0]);
     let dt_squared = p.mass / p.stiffness + 1.0 / (p.stiffness * pencil.chain().unwrap().compliance()[0]);
@@ -74,7 +79,7 @@ fn predictor_corrector_limit(model: &Model, at: Point) -> f64 {
 fn the_predictor_corrector_scheme_has_its_own_limit() {
     let scheme = &PredictorCorrector;
     let search = Search::to(1e-4, scheme).unwrap();
-    let check = |model: &Model, at: Point, expected: f64| {
+    let check = |model: &Model, at: PenaltyPoint, expected: f64| {
         let limit = largest_stable_courant(model, scheme, at, &search).unwrap();
         println!("{} {at:?}: {limit:?}, expected {expected}", model.scene().name());
         assert!(limit.agrees(expected, 1e-4), "{limit:?} instead of {expected}");

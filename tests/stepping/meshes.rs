@@ -6,8 +6,8 @@ use std::sync::Arc;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::schemes::{Park, Scheme, SchemeName};
 use bipenalty::spectrum::Evidence;
-use bipenalty::stability::{AnyModel, AnyScene, Asking, Axis, Grid};
-use bipenalty::verify::{Point, Search, confirm_any, limit_of_any, points_of, predict_any};
+use bipenalty::stability::{AnyModel, AnyScene, Asking, Grid, Sweep};
+use bipenalty::verify::{PenaltyPoint, Search, confirm_any, limit_of_any, points_of, predict_any};
 
 /// An aluminium body on a steel one, held below; no node meets a node.
 fn model(dimension: usize) -> AnyModel {
@@ -39,7 +39,7 @@ fn model(dimension: usize) -> AnyModel {
 
 #[test]
 fn stepping_confirms_the_limits_of_a_mesh_in_the_plane_and_one_in_space() {
-    let grid = Grid::new(&Axis::list([0.5, 100.0]), &Axis::list([0.25, 4.0, f64::INFINITY])).unwrap();
+    let grid = Grid::new(&Sweep::list([0.5, 100.0]), &Sweep::list([0.25, 4.0, f64::INFINITY])).unwrap();
     for dimension in [2, 3] {
         let model = model(dimension);
         for (name, tolerance) in
@@ -72,7 +72,7 @@ fn park_on_a_mesh_ends_where_its_determinant_says() {
         let free = model.contact_free(&Asking::default()).unwrap().step.unwrap();
         let dt_c = model.time_step(free.lower).unwrap();
         for (beta_s, ratio) in [(0.5, 1.0), (10.0, f64::INFINITY), (100.0, 4.0)] {
-            let point = Point {
+            let point = PenaltyPoint {
                 stiffness_penalty: StiffnessPenalty::new(beta_s).unwrap(),
                 ratio: Ratio::new(ratio).unwrap(),
             };
@@ -90,7 +90,7 @@ fn park_on_a_mesh_ends_where_its_determinant_says() {
 
 /// Whether C^-1 - W(alpha) is positive definite: with w = theta dt_c^2 alpha (1 - alpha^2)/6, a = dt^2/2 + w, b = w dt_c^2/2,
 /// W = Z'(2 M - dt^2/2 K - b K M^-1 K)^-1 (a + b K M^-1) Z and C^-1 = diag(1/(beta_s w_j)) + Z'M^-1 Z/(r omega^2).
-fn stands(model: &AnyModel, point: Point, alpha: f64, dt_c: f64) -> bool {
+fn stands(model: &AnyModel, point: PenaltyPoint, alpha: f64, dt_c: f64) -> bool {
     let AnyModel::Mesh(mesh) = model else { panic!("no mesh") };
     let (k, m, gaps) = mesh.matrices();
     let n = k.size();

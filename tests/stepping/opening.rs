@@ -5,7 +5,7 @@ use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::scene::{End, Impact, Scene, built_in};
 use bipenalty::schemes::{ContactRule, SchemeName};
 use bipenalty::stability::Model;
-use bipenalty::verify::Point;
+use bipenalty::verify::PenaltyPoint;
 use bipenalty::verify::opening::{Gain, LinearLimit, Load, energy_gain, energy_put_in};
 
 use super::energy::leapfrog_energy;
@@ -131,7 +131,7 @@ fn the_predictor_corrector_gains_nothing_below_its_limit() {
             let limit = LinearLimit::new(&model, &pencil, scheme.scheme()).unwrap();
             for beta_s in [0.3, 1.0, 30.0, 1e4, 1e8] {
                 for ratio in [0.05, 0.25, 0.6, 1.0, 3.0] {
-                    let point = Point {
+                    let point = PenaltyPoint {
                         stiffness_penalty: StiffnessPenalty::new(beta_s).unwrap(),
                         ratio: Ratio::new(ratio).unwrap(),
                     };

@@ -11,7 +11,7 @@ use bipenalty::schemes::{
 };
 use bipenalty::spectrum::{Engine, StepLimit};
 use bipenalty::stability::Model;
-use bipenalty::verify::{Confirmation, Point, Predictor, Search, confirm, limit_from};
+use bipenalty::verify::{Confirmation, PenaltyPoint, Predictor, Search, confirm, limit_from};
 use rayon::prelude::*;
 
 use super::common::numbers::Numbers;
@@ -22,7 +22,7 @@ const TOLERANCE: f64 = 1e-4;
 struct Case {
     model: Model,
     theta: f64,
-    at: Point,
+    at: PenaltyPoint,
 }
 
 /// Free bodies, fixed ends, unequal bars; every ratio from 1/30 to the pure penalty, eight decades of beta_s.
@@ -31,7 +31,7 @@ fn case(numbers: &mut Numbers) -> Case {
     let (beta_s, ratio) = (10f64.powf(numbers.between(-2.0, 6.0)), 10f64.powf(numbers.between(-1.5, 1.5)));
     let ratio = numbers.one_of(&[ratio, ratio, 0.25, 1.0, f64::INFINITY]);
     let theta = numbers.one_of(&[0.0, 0.25, 0.5, 0.75, 1.0]);
-    let at = Point {
+    let at = PenaltyPoint {
         stiffness_penalty: StiffnessPenalty::new(beta_s).unwrap(),
         ratio: Ratio::new(ratio).unwrap(),
     };
@@ -80,7 +80,7 @@ fn a_quarter_keeps_the_contact_free_step_and_a_little_more_does_not() {
             let top = predictor.contact_free();
             let (free, r) = (model.critical_courant(top), top / model.reference_eigenvalue());
             for (factor, kept) in [(0.25, 1.0), (0.26, (0.25_f64 / 0.26).sqrt())] {
-                let at = Point {
+                let at = PenaltyPoint {
                     stiffness_penalty: StiffnessPenalty::new(1e7).unwrap(),
                     ratio: Ratio::new(factor * r).unwrap(),
                 };

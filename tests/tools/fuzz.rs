@@ -18,7 +18,7 @@ use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::scene::{BUILT_IN, Scene, load};
 use bipenalty::spectrum::Engine as _;
-use bipenalty::stability::{Axis, Model};
+use bipenalty::stability::{Model, Sweep};
 use common::config;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
@@ -227,7 +227,7 @@ fn any_range() -> impl Strategy<Value = String> {
 fn any_range_is_an_axis_or_refused() {
     TestRunner::new(config(4000))
         .run(&any_range(), |text| {
-            match text.parse::<Axis>() {
+            match text.parse::<Sweep>() {
                 Ok(axis) => {
                     prop_assert!(!axis.values.is_empty(), "{text}");
                     if text.contains(':') {

@@ -6,8 +6,9 @@ use super::error::PlotError;
 use super::font::Line;
 use super::geometry::{Point, Rect};
 use super::layout::{PlacedBar, PlacedPanel, text_height};
-use super::model::Axis;
-use super::theme::{AXIS_SIZE, BLACK, FRAME_STROKE, GAP, MAJOR_TICK, MINOR_TICK, TICK_SIZE, TITLE_SIZE};
+use super::theme::{
+    AXIS_SIZE, BLACK, FRAME_STROKE, GAP, MAJOR_TICK, MINOR_TICK, PADDING, TICK_SIZE, TITLE_SIZE,
+};
 use super::ticks::{Ticks, power_of_ten};
 
 /// Colours in the colour bar, more than the eye tells apart.
@@ -23,26 +24,33 @@ pub(super) fn draw_axes(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(),
     let rect = frame.rect;
     outline(canvas, rect);
     bottom_axis(canvas, placed)?;
-    let at = |value| frame.y_at(value);
-    vertical_axis(canvas, &panel.y, &placed.y_ticks, rect, Edge::Left, at)?;
+    let label = placed.labelled.y.then_some((&*panel.y.label, placed.sizes.y, Some(placed.reach)));
+    vertical_axis(canvas, label, &placed.y_ticks, rect, Edge::Left, |value| frame.y_at(value))?;
     if let Some(title) = &panel.title {
-        let line = canvas.fonts().line(title, placed.title_size)?;
-        let rise = title_rise(line.width, rect.width());
-        canvas.text(&plain(&line, (rect.centre().0, rect.top - rise), Anchor::BOTTOM));
+        let line = canvas.fonts().line(title, placed.sizes.title)?;
+        canvas.text(&plain(&line, (rect.centre().0, rect.top - placed.title_rise), Anchor::BOTTOM));
     }
     if let Some(tag) = &placed.tag {
         // Beside the frame, where no title stands.
         let line = canvas.fonts().line(tag, TITLE_SIZE)?;
-        // Above the label of a tick at the end of the axis.
-        let at = (rect.left - 2.0 * GAP, rect.top - title_rise(f64::INFINITY, rect.width()));
-        canvas.text(&plain(&line, at, Anchor { x: 1.0, y: 1.0 }));
+        // Above the label of a tick at the end of the axis; right of the edge of the page.
+        let rise = title_rise(f64::INFINITY, rect.width(), None).max(placed.title_rise);
+        let left = rect.left - placed.reach - PADDING;
+        let right = (rect.left - 2.0 * GAP).max(left + line.width);
+        canvas.text(&plain(&line, (right, rect.top - rise), Anchor { x: 1.0, y: 1.0 }));
     }
     Ok(())
 }
 
-/// How far above the frame the baseline of a title lies; one that is wider than its frame clears the tick labels.
-pub(super) fn title_rise(title: f64, frame: f64) -> f64 {
-    2.0 * GAP + if title > frame { text_height(TICK_SIZE) / 2.0 } else { 0.0 }
+/// How far above the frame the base line of a title lies; one that is wider than its frame clears the tick labels, one that
+/// would stand in the power of ten of the axis, whose width is `note`, lies above it.
+pub(super) fn title_rise(title: f64, frame: f64, note: Option<f64>) -> f64 {
+    let clearance = match note {
+        Some(note) if title > frame - 2.0 * (note + 2.0 * GAP) => text_height(TICK_SIZE),
+        _ if title > frame => text_height(TICK_SIZE) / 2.0,
+        _ => 0.0,
+    };
+    2.0 * GAP + clearance
 }
 
 /// Draws the colour bar with its ticks and label.
@@ -60,8 +68,8 @@ pub(super) fn draw_bar(canvas: &mut Canvas, placed: &PlacedBar) -> Result<(), Pl
     ends(canvas, placed);
     outline(canvas, rect);
     let at = |value| rect.bottom - placed.interval.position(value) * rect.height();
-    let axis = &placed.bar.axis;
-    vertical_axis(canvas, axis, &placed.ticks, rect, Edge::Right, at)
+    let label = Some((&*placed.bar.axis.label, placed.label_size, None));
+    vertical_axis(canvas, label, &placed.ticks, rect, Edge::Right, at)
 }
 
 /// Points beyond the ends of the bar, in the colours that values beyond its range take.
@@ -101,10 +109,16 @@ fn bottom_axis(canvas: &mut Canvas, placed: &PlacedPanel) -> Result<(), PlotErro
     for (value, label) in &ticks.major {
         let x = frame.x_at(*value);
         canvas.stroke(&[(x, rect.bottom), (x, rect.bottom + MAJOR_TICK)], frame_pen());
+        if !placed.labelled.x {
+            continue;
+        }
         let line = canvas.fonts().line(label, TICK_SIZE)?;
         canvas.text(&plain(&line, (x, baseline), Anchor::BOTTOM));
     }
-    let line = canvas.fonts().line(&axis.label, AXIS_SIZE)?;
+    if !placed.labelled.x {
+        return Ok(());
+    }
+    let line = canvas.fonts().line(&axis.label, placed.sizes.x)?;
     let below = below + text_height(TICK_SIZE) + GAP;
     let baseline = below + text_height(AXIS_SIZE) * SCRIPT_ROOM;
     canvas.text(&plain(&line, (rect.centre().0, baseline), Anchor::BOTTOM));
@@ -126,9 +140,11 @@ enum Edge {
     Right,
 }
 
+/// A vertical axis; its label with its size, pt, and how far from the rectangle it reaches, mm, if that is given. Without a
+/// label there are no numbers either.
 fn vertical_axis(
     canvas: &mut Canvas,
-    axis: &Axis,
+    label_of_axis: Option<(&str, f64, Option<f64>)>,
     ticks: &Ticks,
     rect: Rect,
     edge: Edge,
@@ -147,6 +163,9 @@ fn vertical_axis(
     for (value, label) in &ticks.major {
         let y = at(*value);
         canvas.stroke(&[(x, y), (x + outwards * MAJOR_TICK, y)], frame_pen());
+        if label_of_axis.is_none() {
+            continue;
+        }
         // Digits, not their superscripts, are centred on the tick.
         let line = canvas.fonts().line(label, TICK_SIZE)?;
         let digits = canvas.fonts().line("0", TICK_SIZE)?.ascent;
@@ -154,16 +173,20 @@ fn vertical_axis(
         canvas.text(&plain(&line, (x + outwards * beside, y), anchor));
         widest = widest.max(line.width);
     }
+    let Some((label, size, reach)) = label_of_axis else { return Ok(()) };
     if let Some(note) = power_note(ticks) {
         let line = canvas.fonts().line(&note, TICK_SIZE)?;
         let anchor = Anchor { x: 0.0, y: 1.0 };
         canvas.text(&plain(&line, (rect.left, rect.top - GAP), anchor));
     }
-    let line = canvas.fonts().line(&axis.label, AXIS_SIZE)?;
+    let line = canvas.fonts().line(label, size)?;
     // Reading upwards, the baseline is on the right of the text.
     let depth = text_height(AXIS_SIZE);
     let baseline = match edge {
-        Edge::Left => x - beside - widest - GAP - depth * (1.0 - SCRIPT_ROOM),
+        Edge::Left => match reach {
+            Some(reach) => x - reach + depth * SCRIPT_ROOM,
+            None => x - beside - widest - GAP - depth * (1.0 - SCRIPT_ROOM),
+        },
         Edge::Right => x + beside + widest + GAP + depth * SCRIPT_ROOM,
     };
     canvas.text(&Text { turn: UPWARDS, ..plain(&line, (baseline, rect.centre().1), Anchor::BOTTOM) });

@@ -67,15 +67,28 @@ impl Figure {
         Ok(canvas.finish())
     }
 
-    /// Finds a place for everything: names beside the lines if all fit, else a legend.
+    /// Finds a place for everything, in as many columns as leave room for the labels.
     pub(super) fn arrange<'a>(&'a self, fonts: &Fonts) -> Result<Page<'a>, PlotError> {
+        let mut columns = self.columns.clamp(1, self.panels.len().max(1));
+        loop {
+            match self.arrange_in(columns, fonts) {
+                Err(PlotError::LabelTooLong { .. } | PlotError::TooNarrow { .. }) if columns > 1 => {
+                    columns -= 1
+                }
+                arranged => return arranged,
+            }
+        }
+    }
+
+    /// The figure in so many columns: names beside the lines if all fit, else a legend.
+    fn arrange_in<'a>(&'a self, columns: usize, fonts: &Fonts) -> Result<Page<'a>, PlotError> {
         let auto = self.naming == Naming::Auto;
         for series in [Series::Ends, Series::Beside].into_iter().filter(|_| auto) {
             let side = match series {
-                Series::Ends => self.side_width(fonts)?,
+                Series::Ends => self.side_width(columns, fonts)?,
                 _ => 0.0,
             };
-            let layout = match layout(self, fonts, side) {
+            let layout = match layout(self, columns, fonts, side) {
                 Err(PlotError::TooNarrow { .. }) if side > 0.0 => continue,
                 other => other?,
             };
@@ -84,7 +97,7 @@ impl Figure {
                 return page(self, panels, layout.bar, layout.height, fonts);
             }
         }
-        let layout = layout(self, fonts, 0.0)?;
+        let layout = layout(self, columns, fonts, 0.0)?;
         let mut panels = arrange_panels(layout.panels, fonts, Series::Listed)?;
         for arranged in &mut panels {
             let layers = arranged.placed.panel.layers.iter().zip(&arranged.traces).enumerate();
@@ -97,8 +110,8 @@ impl Figure {
     }
 
     /// Space right of the frames for the names of the curves that end there.
-    fn side_width(&self, fonts: &Fonts) -> Result<f64, PlotError> {
-        let bare = layout(self, fonts, 0.0)?;
+    fn side_width(&self, columns: usize, fonts: &Fonts) -> Result<f64, PlotError> {
+        let bare = layout(self, columns, fonts, 0.0)?;
         let mut width = 0.0_f64;
         for placed in &bare.panels {
             for layer in &placed.panel.layers {

@@ -1,6 +1,6 @@
 //! Where everything goes on the page: margins from the measured text, frames from what is left.
 
-use super::axes::title_rise;
+use super::axes::{power_note, title_rise};
 use super::error::PlotError;
 use super::font::Fonts;
 use super::frame::{Frame, Interval, intervals, settle};
@@ -20,8 +20,30 @@ pub(super) struct PlacedPanel<'a> {
     pub(super) y_ticks: Ticks,
     /// (a), (b), ... where the panels are tagged.
     pub(super) tag: Option<String>,
-    /// Size of the title, pt.
-    pub(super) title_size: f64,
+    /// Which axes are labelled here, not at another panel of the column or row.
+    pub(super) labelled: Labelled,
+    /// Sizes of the title and of the labels of the axes, pt.
+    pub(super) sizes: Sizes,
+    /// How far the base line of the title lies above the frame, mm.
+    pub(super) title_rise: f64,
+    /// How far left of the frame the label of the vertical axis reaches, mm; the same for a column.
+    pub(super) reach: f64,
+}
+
+/// Which axes of a panel carry numbers and labels. Panels of a column with one horizontal axis are labelled below the
+/// lowest, panels of a row with one vertical axis left of the first.
+#[derive(Clone, Copy)]
+pub(super) struct Labelled {
+    pub(super) x: bool,
+    pub(super) y: bool,
+}
+
+/// Sizes of texts that shrink, not below what can be read, where there is little room, pt.
+#[derive(Clone, Copy)]
+pub(super) struct Sizes {
+    pub(super) title: f64,
+    pub(super) x: f64,
+    pub(super) y: f64,
 }
 
 /// The colour bar with its place on the page.
@@ -32,6 +54,8 @@ pub(super) struct PlacedBar<'a> {
     /// Whether values lie below and above the range.
     pub(super) beyond: [bool; 2],
     pub(super) ticks: Ticks,
+    /// Size of the label, pt.
+    pub(super) label_size: f64,
 }
 
 /// The whole page, all lengths in mm.
@@ -42,14 +66,20 @@ pub(super) struct Layout<'a> {
     pub(super) height: f64,
 }
 
-/// Space around every frame, mm; the same for all panels, so that the frames are equal.
-#[derive(Clone, Copy, Default)]
+/// Space around the frames, mm; the frames are equal.
+#[derive(Clone, Default)]
 struct Margins {
-    left: f64,
+    /// Left of each column.
+    left: Vec<f64>,
     right: f64,
     top: f64,
-    bottom: f64,
+    /// Below each row.
+    bottom: Vec<f64>,
 }
+
+/// Space left of a frame whose axis is labelled elsewhere, and below one, mm.
+const BARE_LEFT: f64 = PADDING;
+const BARE_BOTTOM: f64 = MAJOR_TICK + GAP;
 
 /// Height over width of a frame: what can be drawn.
 const ASPECTS: std::ops::RangeInclusive<f64> = 0.05..=20.0;
@@ -61,8 +91,25 @@ pub(super) fn text_height(size: f64) -> f64 {
     size * PT * LINE
 }
 
-/// Lays the figure out, with `side` mm right of each frame for the names of curves.
-pub(super) fn layout<'a>(figure: &'a Figure, fonts: &Fonts, side: f64) -> Result<Layout<'a>, PlotError> {
+/// What is known of a figure before anything is placed.
+struct Plan<'a> {
+    figure: &'a Figure,
+    fonts: &'a Fonts,
+    axes: Vec<(Interval, Interval)>,
+    labelled: Vec<Labelled>,
+    columns: usize,
+    rows: usize,
+    /// Room right of each frame for the names of curves, mm.
+    side: f64,
+}
+
+/// Lays the figure out in so many columns, with `side` mm right of each frame for the names of curves.
+pub(super) fn layout<'a>(
+    figure: &'a Figure,
+    columns: usize,
+    fonts: &Fonts,
+    side: f64,
+) -> Result<Layout<'a>, PlotError> {
     if figure.panels.is_empty() {
         return Err(PlotError::NoPanels);
     }
@@ -70,79 +117,185 @@ pub(super) fn layout<'a>(figure: &'a Figure, fonts: &Fonts, side: f64) -> Result
         let aspect = figure.aspect;
         return Err(PlotError::Aspect { aspect });
     }
-    let columns = figure.columns.clamp(1, figure.panels.len());
+    let columns = columns.clamp(1, figure.panels.len());
     let rows = figure.panels.len().div_ceil(columns);
     let shades = bar_interval(figure)?;
     let axes: Vec<(Interval, Interval)> = figure.panels.iter().map(intervals).collect::<Result<_, _>>()?;
+    let labelled = labelled(figure, &axes, columns);
+    let plan = Plan { figure, fonts, axes, labelled, columns, rows, side };
     let bar = figure.colour_bar.as_ref().zip(shades.map(|(interval, _)| interval));
-    let beyond = shades.map_or([false; 2], |(_, beyond)| beyond);
-    let (size, margins) = fit(figure, fonts, &axes, bar, (columns, rows), side)?;
-    check_lengths(figure, fonts, size, margins)?;
-    let cell = (margins.left + size.0 + margins.right, margins.top + size.1 + margins.bottom);
-    let mut panels = Vec::new();
-    for (index, (panel, (x, y))) in figure.panels.iter().zip(&axes).enumerate() {
-        let (row, column) = (index / columns, index % columns);
-        let left = column as f64 * cell.0 + margins.left;
-        let top = row as f64 * cell.1 + margins.top;
-        let rect = Rect::new(left, top, size.0, size.1);
-        panels.push(PlacedPanel {
-            panel,
-            frame: Frame { rect, x: *x, y: *y },
-            x_ticks: horizontal_ticks(&panel.x, *x, size.0, fonts)?,
-            y_ticks: vertical_ticks(&panel.y, *y, size.1),
-            tag: tag(figure, index),
-            title_size: match &panel.title {
-                Some(title) => title_size(title, across(size, margins), fonts)?,
-                None => TITLE_SIZE,
-            },
-        });
-    }
-    let height = rows as f64 * cell.1;
-    let bar = bar.map(|(bar, interval)| {
-        let long = height - margins.top - margins.bottom;
-        PlacedBar {
+    let (size, margins) = plan.fit(bar)?;
+    let panels = (0..figure.panels.len()).map(|index| plan.place(figure, index, size, &margins));
+    let panels = panels.collect::<Result<Vec<_>, PlotError>>()?;
+    let height = rows as f64 * (margins.top + size.1) + margins.bottom.iter().sum::<f64>();
+    let width = margins.left.iter().sum::<f64>() + columns as f64 * (size.0 + margins.right);
+    let bar = bar.map(|(bar, interval)| -> Result<PlacedBar, PlotError> {
+        let long = height - margins.top - margins.bottom[rows - 1];
+        Ok(PlacedBar {
             bar,
-            rect: Rect::new(columns as f64 * cell.0, margins.top, BAR, long),
+            rect: Rect::new(width, margins.top, BAR, long),
             interval,
-            beyond,
+            beyond: shades.map_or([false; 2], |(_, beyond)| beyond),
             ticks: vertical_ticks(&bar.axis, interval, long),
-        }
+            label_size: fitted(&bar.axis.label, AXIS_SIZE, long + 2.0 * (margins.top - GAP), fonts)?,
+        })
     });
-    Ok(Layout { panels, bar, height })
+    Ok(Layout { panels, bar: bar.transpose()?, height })
 }
 
-/// Size of every frame and the margins around it.
-///
-/// Ticks need the frame's size, margins need the tick labels, the frame needs the margins: twice
-/// around settles it.
-fn fit(
-    figure: &Figure,
-    fonts: &Fonts,
-    axes: &[(Interval, Interval)],
-    bar: Option<(&ColourBar, Interval)>,
-    (columns, rows): (usize, usize),
-    side: f64,
-) -> Result<((f64, f64), Margins), PlotError> {
-    let width = figure.width.millimetres();
-    let share = width / columns as f64;
-    let mut size = (share, share * figure.aspect);
-    let mut margins = Margins::default();
-    for _ in 0..2 {
-        margins = common_margins(figure, axes, fonts, size, side)?;
-        let bar_width = match bar {
-            Some((bar, interval)) => {
-                let ticks = vertical_ticks(&bar.axis, interval, rows as f64 * size.1);
-                BAR + side_width(&bar.axis, &ticks, fonts)? + PADDING
+/// Which axes of each panel are labelled; an incomplete last row leaves the panel above it the lowest of its column.
+fn labelled(figure: &Figure, axes: &[(Interval, Interval)], columns: usize) -> Vec<Labelled> {
+    let same = |one: &Axis, i: Interval, other: &Axis, j: Interval| {
+        (&one.label, &one.names, one.scale) == (&other.label, &other.names, other.scale)
+            && (i.low, i.high) == (j.low, j.high)
+    };
+    let panels = &figure.panels;
+    let of = |i: usize| {
+        let beside = |j: &usize| j / columns == i / columns;
+        let below = |j: &usize| j % columns == i % columns;
+        let shares_y =
+            (0..panels.len()).filter(beside).all(|j| same(&panels[i].y, axes[i].1, &panels[j].y, axes[j].1));
+        let shares_x =
+            (0..panels.len()).filter(below).all(|j| same(&panels[i].x, axes[i].0, &panels[j].x, axes[j].0));
+        Labelled { x: !shares_x || i + columns >= panels.len(), y: !shares_y || i.is_multiple_of(columns) }
+    };
+    (0..panels.len()).map(of).collect()
+}
+
+impl Plan<'_> {
+    /// Size of every frame and the margins around them.
+    ///
+    /// Ticks need the frame's size, margins need the tick labels, the frame needs the margins: twice
+    /// around settles it.
+    fn fit(&self, bar: Option<(&ColourBar, Interval)>) -> Result<((f64, f64), Margins), PlotError> {
+        let (width, columns) = (self.figure.width.millimetres(), self.columns);
+        let share = width / columns as f64;
+        let mut size = (share, share * self.figure.aspect);
+        let mut margins = Margins::default();
+        for _ in 0..2 {
+            margins = self.margins(size)?;
+            let bar_width = match bar {
+                Some((bar, interval)) => {
+                    let ticks = vertical_ticks(&bar.axis, interval, self.rows as f64 * size.1);
+                    BAR + side_width(&bar.axis, &ticks, self.fonts)? + PADDING
+                }
+                None => 0.0,
+            };
+            let left: f64 = margins.left.iter().sum();
+            let frame = (width - bar_width - left) / columns as f64 - margins.right;
+            if self.side > MAX_LABEL_SHARE * share || frame < MIN_FRAME {
+                return Err(PlotError::TooNarrow { columns, width });
             }
-            None => 0.0,
-        };
-        let frame = (width - bar_width) / columns as f64 - margins.left - margins.right;
-        if side > MAX_LABEL_SHARE * share || frame < MIN_FRAME {
-            return Err(PlotError::TooNarrow { columns, width });
+            size = (frame, frame * self.figure.aspect);
         }
-        size = (frame, frame * figure.aspect);
+        Ok((size, margins))
     }
-    Ok((size, margins))
+
+    fn margins(&self, size: (f64, f64)) -> Result<Margins, PlotError> {
+        let bottom = MAJOR_TICK + GAP + text_height(TICK_SIZE) + GAP + text_height(AXIS_SIZE) + PADDING;
+        let mut margins = Margins {
+            left: vec![BARE_LEFT; self.columns],
+            right: self.side,
+            top: PADDING,
+            bottom: vec![BARE_BOTTOM; self.rows],
+        };
+        for (index, panel) in self.figure.panels.iter().enumerate() {
+            let (x_ticks, y_ticks) = self.ticks(index, size)?;
+            let (row, column) = (index / self.columns, index % self.columns);
+            if self.labelled[index].y {
+                let left = PADDING + side_width(&panel.y, &y_ticks, self.fonts)?;
+                margins.left[column] = margins.left[column].max(left);
+            }
+            if self.labelled[index].x {
+                margins.bottom[row] = bottom;
+            }
+            // The last tick label may reach beyond the frame by half its width.
+            let reach = if self.labelled[index].x { widest(&x_ticks, self.fonts)? / 2.0 } else { 0.0 };
+            margins.right = margins.right.max(reach);
+            let head = match &panel.title {
+                Some(_) => text_height(TITLE_SIZE) + self.title_rise(index, TITLE_SIZE, size)? - 2.0 * GAP,
+                None if self.figure.tags => {
+                    text_height(TITLE_SIZE) + title_rise(f64::INFINITY, size.0, None) - 2.0 * GAP
+                }
+                None if self.note(index, size)?.is_some() => text_height(TICK_SIZE),
+                None => 0.0,
+            };
+            // Half a tick label stands above the frame when a tick ends the axis.
+            let head = PADDING + (head + GAP).max(text_height(TICK_SIZE) / 2.0);
+            margins.top = margins.top.max(head);
+        }
+        margins.right += PADDING;
+        Ok(margins)
+    }
+
+    fn ticks(&self, index: usize, size: (f64, f64)) -> Result<(Ticks, Ticks), PlotError> {
+        let (panel, (x, y)) = (&self.figure.panels[index], self.axes[index]);
+        Ok((horizontal_ticks(&panel.x, x, size.0, self.fonts)?, vertical_ticks(&panel.y, y, size.1)))
+    }
+
+    /// Width of the power of ten above the vertical axis, if there is one.
+    fn note(&self, index: usize, size: (f64, f64)) -> Result<Option<f64>, PlotError> {
+        let note = power_note(&self.ticks(index, size)?.1).filter(|_| self.labelled[index].y);
+        note.map(|note| Ok(self.fonts.line(&note, TICK_SIZE)?.width)).transpose()
+    }
+
+    /// How far the title of a panel, at this size, is raised above its frame; beside tags as far as possible.
+    fn title_rise(&self, index: usize, title_size: f64, size: (f64, f64)) -> Result<f64, PlotError> {
+        let title = self.figure.panels[index].title.as_deref().unwrap_or_default();
+        let width = self.fonts.line(title, title_size)?.width;
+        let width = if self.figure.tags { f64::INFINITY } else { width };
+        Ok(title_rise(width, size.0, self.note(index, size)?))
+    }
+
+    fn place<'a>(
+        &self,
+        figure: &'a Figure,
+        index: usize,
+        size: (f64, f64),
+        margins: &Margins,
+    ) -> Result<PlacedPanel<'a>, PlotError> {
+        let (panel, (x, y)) = (&figure.panels[index], self.axes[index]);
+        let (row, column) = (index / self.columns, index % self.columns);
+        let left = margins.left[..=column].iter().sum::<f64>() + column as f64 * (size.0 + margins.right);
+        let top =
+            margins.bottom[..row].iter().sum::<f64>() + row as f64 * (margins.top + size.1) + margins.top;
+        let (x_ticks, y_ticks) = self.ticks(index, size)?;
+        let sizes = self.sizes(index, size, margins)?;
+        Ok(PlacedPanel {
+            panel,
+            frame: Frame { rect: Rect::new(left, top, size.0, size.1), x, y },
+            x_ticks,
+            y_ticks,
+            tag: tag(figure, index),
+            labelled: self.labelled[index],
+            sizes,
+            // The place for the title was kept for one of full size.
+            title_rise: self.title_rise(index, TITLE_SIZE, size)?,
+            reach: margins.left[column] - PADDING,
+        })
+    }
+
+    /// Sizes at which the texts of a panel fit; they are centred on their frame and may reach into the margins.
+    fn sizes(&self, index: usize, size: (f64, f64), margins: &Margins) -> Result<Sizes, PlotError> {
+        let panel = &self.figure.panels[index];
+        let (row, column) = (index / self.columns, index % self.columns);
+        let across = size.0 + 2.0 * (margins.left[column].min(margins.right) - GAP);
+        let along = size.1 + 2.0 * (margins.top.min(margins.bottom[row]) - GAP);
+        let title = panel.title.as_ref();
+        Ok(Sizes {
+            title: title.map_or(Ok(TITLE_SIZE), |title| fitted(title, TITLE_SIZE, across, self.fonts))?,
+            x: if self.labelled[index].x {
+                fitted(&panel.x.label, AXIS_SIZE, across, self.fonts)?
+            } else {
+                AXIS_SIZE
+            },
+            y: if self.labelled[index].y {
+                fitted(&panel.y.label, AXIS_SIZE, along, self.fonts)?
+            } else {
+                AXIS_SIZE
+            },
+        })
+    }
 }
 
 /// The range of the colours, given or from all cells of the figure, and whether values lie below and above it.
@@ -173,76 +326,16 @@ fn bar_interval(figure: &Figure) -> Result<Option<(Interval, [bool; 2])>, PlotEr
     }
 }
 
-fn common_margins(
-    figure: &Figure,
-    axes: &[(Interval, Interval)],
-    fonts: &Fonts,
-    size: (f64, f64),
-    side: f64,
-) -> Result<Margins, PlotError> {
-    let mut margins = Margins {
-        left: 0.0,
-        right: side,
-        top: PADDING,
-        bottom: MAJOR_TICK + GAP + text_height(TICK_SIZE) + GAP + text_height(AXIS_SIZE) + PADDING,
-    };
-    for (panel, (x, y)) in figure.panels.iter().zip(axes) {
-        let y_ticks = vertical_ticks(&panel.y, *y, size.1);
-        let x_ticks = horizontal_ticks(&panel.x, *x, size.0, fonts)?;
-        let left = PADDING + side_width(&panel.y, &y_ticks, fonts)?;
-        margins.left = margins.left.max(left);
-        // The last tick label may reach beyond the frame by half its width.
-        let reach = widest(&x_ticks, fonts)? / 2.0;
-        margins.right = margins.right.max(reach);
-        let head = match &panel.title {
-            Some(title) => {
-                let width = fonts.line(title, TITLE_SIZE)?.width;
-                let width = if figure.tags { f64::INFINITY } else { width };
-                text_height(TITLE_SIZE) + title_rise(width, size.0) - 2.0 * GAP
-            }
-            None if figure.tags => text_height(TITLE_SIZE) + title_rise(f64::INFINITY, size.0) - 2.0 * GAP,
-            None if y_ticks.power.is_some() => text_height(TICK_SIZE),
-            None => 0.0,
-        };
-        // Half a tick label stands above the frame when a tick ends the axis.
-        let head = PADDING + (head + GAP).max(text_height(TICK_SIZE) / 2.0);
-        margins.top = margins.top.max(head);
+/// The size up to `full` at which a text fits into `room` mm, not below what can be read, pt.
+fn fitted(text: &str, full: f64, room: f64, fonts: &Fonts) -> Result<f64, PlotError> {
+    let width = fonts.line(text, full)?.width;
+    if width <= room {
+        return Ok(full);
     }
-    margins.right += PADDING;
-    Ok(margins)
-}
-
-/// Axis labels and titles are centred on their frame and may reach as far as the margins beside it.
-fn check_lengths(
-    figure: &Figure,
-    fonts: &Fonts,
-    size: (f64, f64),
-    margins: Margins,
-) -> Result<(), PlotError> {
-    let across = across(size, margins);
-    let along = size.1 + 2.0 * margins.top.min(margins.bottom);
-    let bar = figure.colour_bar.iter().map(|bar| (&bar.axis.label, AXIS_SIZE, along));
-    let labels = figure.panels.iter().flat_map(|panel| {
-        let title = panel.title.iter().map(|title| (title, LEAST_SIZE, across));
-        let axes = [(&panel.x.label, AXIS_SIZE, across), (&panel.y.label, AXIS_SIZE, along)];
-        title.chain(axes)
-    });
-    for (label, points, room) in labels.chain(bar) {
-        check_length(fonts.line(label, points)?.width, room, label)?;
-    }
-    Ok(())
-}
-
-/// Room for what is centred on a frame, mm.
-fn across(size: (f64, f64), margins: Margins) -> f64 {
-    size.0 + 2.0 * margins.left.min(margins.right)
-}
-
-/// The size at which a title fits into `room`, not below what can be read, pt.
-fn title_size(title: &str, room: f64, fonts: &Fonts) -> Result<f64, PlotError> {
-    let width = fonts.line(title, TITLE_SIZE)?.width;
     // Scripts shrink less than letters where they are smallest: a hundredth less leaves room for them.
-    Ok(if width <= room { TITLE_SIZE } else { (0.99 * TITLE_SIZE * room / width).max(LEAST_SIZE) })
+    let size = (0.99 * full * room / width).max(LEAST_SIZE);
+    check_length(fonts.line(text, size)?.width, room, text)?;
+    Ok(size)
 }
 
 /// The tag of a panel that is one of several.

@@ -19,9 +19,8 @@ struct Entry<'a> {
 /// A legend, measured.
 pub(super) struct Legend<'a> {
     entries: Vec<Entry<'a>>,
-    columns: usize,
-    /// Width of a column, mm.
-    pitch: f64,
+    /// Widths of the columns, mm.
+    columns: Vec<f64>,
 }
 
 impl<'a> Legend<'a> {
@@ -42,13 +41,8 @@ impl<'a> Legend<'a> {
                 entries.push(Entry { layer, line });
             }
         }
-        let widest = entries.iter().map(|entry| entry.line.width).fold(0.0, f64::max);
-        let pitch = SAMPLE + SAMPLE_GAP + widest + 2.0 * PADDING;
-        // A positive number of columns that is small: the cast drops the fraction.
-        let fitting = ((width - 2.0 * PADDING) / pitch) as usize;
-        let rows = entries.len().div_ceil(fitting.max(1)).max(1);
-        let columns = entries.len().div_ceil(rows).max(1);
-        Ok(Self { entries, columns, pitch })
+        let columns = columns(&entries, width - 2.0 * PADDING);
+        Ok(Self { entries, columns })
     }
 
     /// The layers listed.
@@ -61,16 +55,17 @@ impl<'a> Legend<'a> {
         if self.entries.is_empty() {
             return 0.0;
         }
-        let rows = self.entries.len().div_ceil(self.columns);
+        let rows = self.entries.len().div_ceil(self.columns.len());
         rows as f64 * row_height() + PADDING
     }
 
     /// Draws the legend centred in `place`, row by row.
     pub(super) fn draw(&self, canvas: &mut Canvas, place: Rect) {
-        let left = place.centre().0 - (self.columns as f64 * self.pitch - 2.0 * PADDING) / 2.0;
+        let all: f64 = self.columns.iter().sum();
+        let left = place.centre().0 - (all - 2.0 * PADDING) / 2.0;
         for (index, entry) in self.entries.iter().enumerate() {
-            let (row, column) = (index / self.columns, index % self.columns);
-            let x = left + column as f64 * self.pitch;
+            let (row, column) = (index / self.columns.len(), index % self.columns.len());
+            let x = left + self.columns[..column].iter().sum::<f64>();
             let y = place.top + (row as f64 + 0.5) * row_height();
             sample(canvas, entry.layer, [(x, y), (x + SAMPLE, y)]);
             canvas.text(&Text {
@@ -83,6 +78,24 @@ impl<'a> Legend<'a> {
             });
         }
     }
+}
+
+/// The widths of as many columns as fit, each as wide as its widest entry, and no more than fill the rows evenly; at least
+/// one.
+fn columns(entries: &[Entry], width: f64) -> Vec<f64> {
+    let widths = |columns: usize| -> Vec<f64> {
+        let widest = |column: usize| {
+            let of = entries.iter().skip(column).step_by(columns);
+            SAMPLE + SAMPLE_GAP + of.map(|entry| entry.line.width).fold(0.0, f64::max) + 2.0 * PADDING
+        };
+        (0..columns).map(widest).collect()
+    };
+    let fits = |columns: &usize| widths(*columns).iter().sum::<f64>() <= width + 2.0 * PADDING;
+    let most = (1..=entries.len()).rev().find(fits).unwrap_or(1);
+    let rows = entries.len().div_ceil(most).max(1);
+    // Fewer columns of as many rows are emptier, but those that are even may be too wide.
+    let even = Some(entries.len().div_ceil(rows)).filter(fits);
+    widths(even.unwrap_or(most).max(1))
 }
 
 fn row_height() -> f64 {

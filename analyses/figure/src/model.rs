@@ -46,7 +46,7 @@ pub struct Figure {
     pub width: Width,
     /// Panels, row by row.
     pub panels: Vec<Panel>,
-    /// Panels per row; at least 1.
+    /// Panels per row, at least 1; fewer are drawn where that leaves too little room for labels.
     pub columns: usize,
     /// Height of a panel's frame over its width.
     pub aspect: f64,
@@ -80,13 +80,17 @@ impl Figure {
         }
     }
 
-    /// The same figure at another width: one panel above the other in a column, one as wide as the page kept low.
+    /// The same figure at another width. In a column of the page up to three panels stand one above the other, more in twos;
+    /// one panel as wide as the page is kept low.
     pub fn at_width(mut self, width: Width) -> Self {
         /// Height over width of a panel that takes the whole page.
         const LOW: f64 = 0.4;
+        /// Panels of full width that are not too high for a page.
+        const STACK: usize = 3;
         self.width = width;
         match width {
-            Width::Single => self.columns = 1,
+            Width::Single if self.panels.len() <= STACK => self.columns = 1,
+            Width::Single => self.columns = self.columns.min(2),
             Width::Double if self.columns == 1 && self.panels.len() > 1 => self.columns = 2,
             Width::Double if self.columns == 1 => self.aspect = self.aspect.min(LOW),
             Width::Double => (),

@@ -86,9 +86,75 @@ fn mistakes_are_named() {
     assert!(matches!(figure.svg(), Err(PlotError::LabelTooLong { .. })));
 
     let mut figure = curves();
-    figure.columns = 20;
-    figure.panels = vec![figure.panels[0].clone(); 20];
+    figure.panels[0].y =
+        Axis::linear("*C*_{r}").named(0.5, "a number that leaves no room for the chart of it");
     assert!(matches!(figure.svg(), Err(PlotError::TooNarrow { .. })));
     figure.panels.clear();
     assert!(matches!(figure.svg(), Err(PlotError::NoPanels)));
+}
+
+/// Names of the panels of one column that are drawn, from the SVG.
+fn count(svg: &str, label: &str) -> usize {
+    svg.matches(&format!("aria-label=\"{label}\"")).count()
+}
+
+#[test]
+fn alike_axes_are_labelled_once_and_others_each() {
+    let mut figure = curves();
+    figure.panels = vec![figure.panels[0].clone(); 6];
+    figure.width = Width::Double;
+    figure.columns = 2;
+    let svg = figure.svg().expect("valid figure");
+    // Two columns and three rows: below the lowest and left of the first.
+    assert_eq!((count(&svg, "βs"), count(&svg, "Cr")), (2, 3));
+    // Five panels: the one above the hole is the lowest of its column.
+    figure.panels.pop();
+    let svg = figure.svg().expect("valid figure");
+    assert_eq!((count(&svg, "βs"), count(&svg, "Cr")), (2, 3));
+    // Another range in one panel: its column and its row have labels everywhere.
+    figure.panels[0].x.range = Some((0.0, 5.0));
+    figure.panels[0].y.range = Some((0.0, 2.0));
+    let svg = figure.svg().expect("valid figure");
+    assert_eq!((count(&svg, "βs"), count(&svg, "Cr")), (4, 4));
+}
+
+#[test]
+fn as_many_columns_as_the_labels_allow() {
+    let height = |figure: &Figure| -> f64 {
+        let svg = figure.svg().expect("valid figure");
+        let (_, rest) = svg.split_once("height=\"").expect("a height");
+        rest.split_once("mm").and_then(|(number, _)| number.parse().ok()).expect("a number")
+    };
+    let mut figure = curves();
+    figure.columns = 20;
+    figure.panels = vec![figure.panels[0].clone(); 20];
+    let crowded = height(&figure);
+    figure.columns = 1;
+    assert!(2.0 * crowded < height(&figure), "{crowded}");
+    // A title as wide as the page stands above one panel only.
+    figure.columns = 2;
+    let pairs = height(&figure);
+    figure.panels[3].title = Some("a title that has no room above half of a column".to_owned());
+    assert!(height(&figure) > 1.8 * pairs);
+}
+
+#[test]
+fn a_title_clears_the_power_of_ten_of_its_axis() {
+    let tops = |title: &str| -> Vec<f64> {
+        let mut figure = curves();
+        let small = decay(1.0).into_iter().map(|(x, y)| (x, 1e-5 * y)).collect();
+        figure.panels[0].layers = vec![Layer::curve(small, "*r*", 0)];
+        figure.panels[0].title = Some(title.to_owned());
+        let svg = figure.svg().expect("valid figure");
+        let top = |label: &str| {
+            let (before, _) = svg.split_once(&format!("\" aria-label=\"{label}\"")).expect("the label");
+            let (_, place) = before.rsplit_once("translate(").expect("a place");
+            place.trim_end_matches(')').split(' ').nth(1).and_then(|y| y.parse().ok()).expect("a number")
+        };
+        vec![top(title), top("×10−5")]
+    };
+    let short = tops("short");
+    let long = tops("a title that is as long as the frame is");
+    // Hundredths of a millimetre: beside each other, and one above the other.
+    assert!((short[0] - short[1]).abs() < 100.0 && long[1] - long[0] > 200.0, "{short:?} {long:?}");
 }

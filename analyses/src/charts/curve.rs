@@ -8,12 +8,12 @@ pub(super) struct Curve {
     pub(super) ratio: f64,
     /// Whether its points are lower bounds of limits.
     bounds: bool,
-    pub(super) points: Vec<Point>,
+    pub(super) points: Vec<CurvePoint>,
 }
 
 /// A row as a point of a curve.
 #[derive(Clone, Copy)]
-pub(super) struct Point {
+pub(super) struct CurvePoint {
     pub(super) beta_s: f64,
     /// What is known to be stable: C_r, or its lower bound; NaN where nothing could be certified.
     pub(super) courant: f64,
@@ -39,7 +39,7 @@ pub(super) fn curves_of(rows: &[StabilityRow]) -> Vec<Curve> {
     let mut curves: Vec<Curve> = Vec::new();
     for (index, row) in rows.iter().enumerate() {
         let courant = row.stable_courant().unwrap_or(f64::NAN);
-        let point = Point { beta_s: row.stiffness_penalty.0, courant, row: index };
+        let point = CurvePoint { beta_s: row.stiffness_penalty.0, courant, row: index };
         match curves.last_mut() {
             Some(curve) if curve.ratio == row.ratio.0 => curve.points.push(point),
             _ => curves.push(Curve { ratio: row.ratio.0, bounds: row.is_lower_bound(), points: vec![point] }),

@@ -120,6 +120,22 @@ pub fn stresses(scene: &str, mass: &str, runs: &[RunRecord], exact: &ExactLine) 
     panels(scene, mass, runs, &position, &Axis::linear("stress *σ* [Pa]"), curve, exact)
 }
 
+/// The ends of a logarithmic axis of these lines, without the few values of each, a step or two, at which contact only begins
+/// or ends: they may be as small as rounding, and would leave no room for the others.
+fn without_onsets(layers: &[Layer]) -> Option<(f64, f64)> {
+    /// A hundredth of the values of a line.
+    const FEW: usize = 100;
+    let ends = layers.iter().filter_map(|layer| {
+        let mut values: Vec<f64> = layer.points().iter().map(|point| point.1).filter(|y| *y > 0.0).collect();
+        values.sort_by(f64::total_cmp);
+        Some((*values.get(values.len() / FEW)?, *values.last()?))
+    });
+    let (low, high) = ends.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1)))?;
+    // As much air as an axis has whose ends come from all values.
+    let air = (high / low).powf(0.05);
+    (low < high).then_some((low / air, high * air))
+}
+
 /// All rows of the file `stem`.
 fn source(stem: &str, columns: [&'static str; 2], rows: usize) -> Option<Source> {
     Source::of(&format!("{stem}.csv"), columns, &(0..rows).collect::<Vec<_>>())
@@ -156,8 +172,13 @@ fn panels(
             let (points, source) = curve(run);
             // A run without contact has no line in a chart of penetrations.
             if points.iter().any(|(_, y)| y.is_finite()) {
-                let layer = Layer::curve(points, literal(run.scheme.title), style(run.scheme));
-                layers.push(layer.from_records(source));
+                let (name, style) = (literal(run.scheme.title), style(run.scheme));
+                match envelope(&points, y.scale) {
+                    // Equal names and styles: one entry of the legend for both.
+                    Some(lines) => layers
+                        .extend(lines.map(|line| Layer::curve(line, format!("{name} (envelope)"), style))),
+                    None => layers.push(Layer::curve(points, name, style).from_records(source)),
+                }
             }
         }
         if !exact.is_empty() {
@@ -166,7 +187,12 @@ fn panels(
         let numbers: Vec<String> = group.iter().map(|beta_s| number(*beta_s)).collect();
         let title =
             format!("{}, {}, *β*_{{s}} = {}", literal(&scene_name(scene)), literal(mass), numbers.join(", "));
-        Panel::new(Axis::linear(x), y.clone(), layers).titled(title)
+        let y = if y.scale == Scale::Log {
+            Axis { range: without_onsets(&layers), ..y.clone() }
+        } else {
+            y.clone()
+        };
+        Panel::new(Axis::linear(x), y, layers).titled(title)
     };
     let panels: Vec<Panel> = groups.iter().map(panel).filter(|panel| !panel.layers.is_empty()).collect();
     let width = if panels.len() == 1 { Width::Single } else { Width::Double };
@@ -176,10 +202,12 @@ fn panels(
     figure
 }
 
+/// The width of a line as a share of the height of a chart.
+const LINE: f64 = 0.005;
+
 /// Whether two lines differ by less than the width of a line anywhere: half a hundredth of the height of a chart, over
 /// whose decades `scale` may spread it.
 fn look_alike(one: &[(f64, f64)], other: &[(f64, f64)], scale: Scale) -> bool {
-    const LINE: f64 = 0.005;
     let finite = || one.iter().map(|point| point.1).filter(|y| y.is_finite());
     let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
     let close = |a: f64, b: f64| match scale {
@@ -191,6 +219,56 @@ fn look_alike(one: &[(f64, f64)], other: &[(f64, f64)], scale: Scale) -> bool {
             .iter()
             .zip(other)
             .all(|(a, b)| a.0 == b.0 && (close(a.1, b.1) || (a.1.is_nan() && b.1.is_nan())))
+}
+
+/// The least and the largest values of a line that swings more often than print can tell apart: a block of ink would hide
+/// what lies behind it and say no more. `None` where its swings can be seen.
+fn envelope(points: &[(f64, f64)], scale: Scale) -> Option<[Vec<(f64, f64)>; 2]> {
+    /// Swings that a panel of half a page, 70 mm, shows half a millimetre apart: three thin lines and their gaps.
+    const MOST: usize = 140;
+    /// Parts of the panel in each of which they are counted.
+    const PARTS: usize = 20;
+    let (first, last) = (points.first()?.0, points.last()?.0);
+    let part = |x: f64, parts: usize| {
+        // Between 0 and `parts`, so that the cast drops the fraction.
+        (((x - first) / (last - first) * parts as f64) as usize).min(parts - 1)
+    };
+    let height = |y: f64| if scale == Scale::Log { y.ln() } else { y };
+    let finite = || points.iter().filter(|point| point.1.is_finite());
+    let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
+        (low.min(height(point.1)), high.max(height(point.1)))
+    });
+    let mut turns = [0_usize; PARTS];
+    // The last turning point and whether the line rises from there: turns by less than a line's width are none.
+    let (mut turn, mut rises) = (f64::NAN, None);
+    for point in finite() {
+        let y = height(point.1);
+        match rises {
+            Some(up) if (y >= turn) == up => turn = y,
+            _ if (y - turn).abs() > LINE * (high - low) => {
+                turns[part(point.0, PARTS)] += usize::from(rises.is_some());
+                (turn, rises) = (y, Some(y > turn));
+            }
+            _ if turn.is_nan() => turn = y,
+            _ => (),
+        }
+    }
+    // Two turns a swing.
+    if turns.iter().max()? * PARTS <= 2 * MOST {
+        return None;
+    }
+    let mut lines = [f64::min, f64::max].map(|of: fn(f64, f64) -> f64| {
+        let mut line: Vec<(f64, f64)> =
+            (0..MOST).map(|i| (first + (i as f64 + 0.5) / MOST as f64 * (last - first), f64::NAN)).collect();
+        for (x, y) in finite() {
+            // The smaller, and the larger, of a number and NaN is the number.
+            let end = &mut line[part(*x, MOST)].1;
+            *end = of(*end, *y);
+        }
+        line
+    });
+    lines.iter_mut().for_each(|line| line[MOST - 1].0 = last);
+    Some(lines)
 }
 
 /// Central differences chatter on a stiff contact: they stay grey and thin behind the others. The schemes of the paper lead; each of

@@ -22,6 +22,8 @@ pub type ContourLines = Vec<(Level, Vec<(f64, f64)>)>;
 const NEUTRAL: f64 = 0.999;
 /// Levels closer than this share are one line to the eye.
 const APART: f64 = 0.03;
+/// Nor is there a level closer to an end of the range than this share of its logarithm.
+const EDGE: f64 = 0.04;
 
 /// The levels of the rows of one model: the `asked` ones if any are, else round values between the smallest and the
 /// largest C_r, and the neutral level.
@@ -34,7 +36,9 @@ pub fn levels(rows: &[StabilityRow], asked: Option<&[f64]>) -> Vec<Level> {
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
     let neutral = contact_free(rows).map(|free| NEUTRAL * free).filter(|level| low < *level && *level < high);
     let clear = |level: &f64| neutral.is_none_or(|neutral| (level / neutral).ln().abs() > APART);
-    let inside = |level: &f64| *level > (1.0 + APART) * low && *level < (1.0 - APART) * high;
+    // A line along the edge of a map cannot be told from it and has no room for its name.
+    let apart = APART.max(EDGE * (high / low).ln());
+    let inside = |level: &f64| (level / low).ln() > apart && (high / level).ln() > apart;
     let round = round(low, high).into_iter().filter(inside).filter(clear).map(named);
     let neutral = neutral.map(|value| Level { value, label: format!("{NEUTRAL} *C*_{{0}}") });
     round.chain(neutral).collect()

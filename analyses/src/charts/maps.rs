@@ -1,8 +1,9 @@
 //! The charts of the tools, made of records only.
 
-use super::curve::{Curve, Point, curves_of};
+use super::curve::{Curve, CurvePoint, curves_of};
 use super::levels::{ContourLines, Level};
 use crate::record::{GIVEN, StabilityRow};
+use bipenalty::schemes::explicit::ExplicitName;
 use figure::{At, Axis, ColourBar, ColourMap, Figure, Layer, Panel, Side, Source, Width, literal};
 
 /// Label of the critical Courant number.
@@ -58,7 +59,7 @@ fn stable_side(curves: &[Curve], source: impl Fn(&Curve) -> Option<Source>) -> O
     for (i, (beta_s, lowest)) in points.iter_mut().enumerate() {
         for curve in curves {
             // Curves of other abscissae have no common envelope; a gap in one is a gap of the shade.
-            let Point { beta_s: other, courant, .. } = *curve.points.get(i)?;
+            let CurvePoint { beta_s: other, courant, .. } = *curve.points.get(i)?;
             if other != *beta_s {
                 return None;
             }
@@ -193,13 +194,27 @@ pub fn map(models: &[Vec<StabilityRow>], contours: &[ContourLines]) -> Figure {
     figure
 }
 
-/// The same figure with whose limit each panel shows in its title.
+/// The same figure with whose limit each panel shows in its title; the same limits of two names are one panel.
 pub fn titled_by_limit(mut figure: Figure, panels: &[Vec<StabilityRow>]) -> Figure {
-    for (panel, rows) in figure.panels.iter_mut().zip(panels) {
-        let Some(row) = rows.first() else { continue };
-        let bound = bound_name(rows);
-        panel.title = Some(literal(&format!("{}, {} mass{bound}", limit_name(row.limit), row.mass)));
+    let point = |row: &StabilityRow| (row.stiffness_penalty, row.ratio, row.critical_courant);
+    let alike = |one: &[StabilityRow], other: &[StabilityRow]| {
+        let key = |rows: &[StabilityRow]| rows.first().map(|row| (row.scene.clone(), row.mass.clone()));
+        key(one) == key(other) && one.iter().map(point).eq(other.iter().map(point))
+    };
+    let mut kept: Vec<(Panel, Vec<String>, &[StabilityRow])> = Vec::new();
+    for (panel, rows) in std::mem::take(&mut figure.panels).into_iter().zip(panels) {
+        let name = rows.first().map_or(String::new(), |row| limit_name(row.limit));
+        match kept.last_mut() {
+            Some((_, names, before)) if alike(before, rows) => names.push(name),
+            _ => kept.push((panel, vec![name], rows)),
+        }
     }
+    let titled = |(panel, names, rows): (Panel, Vec<String>, &[StabilityRow])| {
+        let mass = rows.first().map_or(String::new(), |row| mass_name(&row.mass));
+        panel.titled(literal(&format!("{}{mass}{}", names.join(" / "), bound_name(rows))))
+    };
+    figure.panels = kept.into_iter().map(titled).collect();
+    figure.columns = columns(figure.panels.len());
     figure
 }
 
@@ -213,7 +228,7 @@ pub(super) fn limit_name(limit: &str) -> String {
     match limit {
         "central-difference" => "central difference".to_owned(),
         "park" => "Park".to_owned(),
-        other => other.to_owned(),
+        other => other.parse::<ExplicitName>().map_or(other, |scheme| scheme.facts().title).to_owned(),
     }
 }
 
@@ -255,8 +270,13 @@ pub fn costs(models: &[Vec<Vec<StabilityRow>>], theta: f64) -> Figure {
 pub(super) fn figure(panels: Vec<Panel>) -> Figure {
     let width = if panels.len() == 1 { Width::Single } else { Width::Double };
     let mut figure = Figure::new(width, panels);
-    figure.columns = figure.columns.min(2);
+    figure.columns = columns(figure.panels.len());
     figure
+}
+
+/// Three panels stand in a row, others in twos.
+fn columns(panels: usize) -> usize {
+    if panels == 3 { 3 } else { panels.clamp(1, 2) }
 }
 
 /// Scene, size and mass of the rows.
@@ -267,13 +287,17 @@ fn title(rows: &[StabilityRow]) -> String {
         Some(n) => format!(", {n} elements"),
         None => String::new(),
     };
-    let mass = match row.mass.as_str() {
+    let (name, mass) = (scene_name(&row.scene), mass_name(&row.mass));
+    literal(&format!("{name}{elements}{mass}{}", bound_name(rows)))
+}
+
+/// The mass matrix as a title goes on with it.
+pub(super) fn mass_name(mass: &str) -> String {
+    match mass {
         GIVEN => String::new(),
         name @ ("lumped" | "averaged" | "consistent") => format!(", {name}"),
         gamma => format!(", γ = {gamma}"),
-    };
-    let name = scene_name(&row.scene);
-    literal(&format!("{name}{elements}{mass}{}", bound_name(rows)))
+    }
 }
 
 /// The built-in scenes by the names of the paper. A long name is cut: the title must fit above half a page.

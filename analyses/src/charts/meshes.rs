@@ -1,10 +1,10 @@
 //! What contact costs a mesh, what proves it, and what rules of thumb make of it: charts made of records only.
 
+use super::maps::{STIFFNESS, number};
 use crate::meshes::MANUAL;
 use crate::record::MeshRow;
 use figure::{At, Axis, Figure, Layer, Naming, Panel, Width, literal};
 
-const STIFFNESS: &str = "stiffness penalty *β*_{s}";
 /// Less than this is lost within the width of the exact step: it is drawn here.
 const LEAST: f64 = 1e-8;
 
@@ -13,14 +13,14 @@ const RELATIVE: &str = "step / contact-free step";
 /// The step of pure penalty over beta_s, one curve an element, with the contact-free step in its name; a panel for the plane
 /// and one for space.
 pub fn elements(rows: &[MeshRow]) -> Figure {
-    let panel = |(title, kinds): (&str, &[&str])| {
+    let panel = |(title, kinds, first): (&str, &[&str], usize)| {
         let curve = |(style, kind): (usize, &&str)| {
             let of: Vec<&MeshRow> = rows.iter().filter(|row| row.element == *kind).collect();
             let free = of.first().map_or(f64::NAN, |row| {
                 row.courant.map_or(f64::NAN, |courant| courant.0) / row.relative_step.0
             });
             let points = of.iter().map(|row| (row.stiffness_penalty.0, row.relative_step.0)).collect();
-            Layer::curve(points, format!("{} ({free:.3})", literal(kind)), style)
+            Layer::curve(points, format!("{} ({free:.3})", literal(kind)), first + style)
         };
         let layers = kinds.iter().enumerate().map(curve).collect();
         let y = Axis::log(RELATIVE).over(0.02, 1.2);
@@ -28,8 +28,9 @@ pub fn elements(rows: &[MeshRow]) -> Figure {
     };
     let [plane, space] = &crate::meshes::ELEMENTS;
     let panels = [
-        ("plane, pure penalty (contact-free *c* d*t*/*h*)", &plane[..]),
-        ("space, pure penalty (contact-free *c* d*t*/*h*)", &space[..]),
+        ("plane, pure penalty (contact-free *c* d*t*/*h*)", &plane[..], 0),
+        // One legend for both: no style stands for two elements.
+        ("space, pure penalty (contact-free *c* d*t*/*h*)", &space[..], plane.len()),
     ];
     in_rows(panels.into_iter().map(panel).collect())
 }
@@ -75,7 +76,7 @@ pub fn bounds(rows: &[MeshRow]) -> Figure {
             markers(of(beta_s, ratio), name, style)
         };
         let layers = lines.into_iter().enumerate().map(line).collect();
-        let y = Axis::log("1 - proven step / exact step");
+        let y = Axis::log("1 − proven step / exact step").named(LEAST, format!("≤ {}", number(LEAST)));
         Panel::new(Axis::log("elements along an edge of a patch"), y, layers).titled(literal(kind))
     };
     in_rows(kinds.iter().map(panel).collect())
@@ -107,9 +108,10 @@ pub fn rules(rows: &[MeshRow]) -> Figure {
             number(ratio)
         ))
     };
-    let all = scenes.iter().flat_map(|scene| ratios.iter().map(move |ratio| (*scene, *ratio)));
+    // A column a mesh and a row a ratio, at every width.
+    let all = ratios.iter().flat_map(|ratio| scenes.iter().map(move |scene| (*scene, *ratio)));
     let mut figure = in_rows(all.map(|(scene, ratio)| panel(scene, ratio)).collect());
-    figure.columns = ratios.len().max(1);
+    figure.columns = scenes.len().max(1);
     figure
 }
 
@@ -144,10 +146,6 @@ fn in_rows(panels: Vec<Panel>) -> Figure {
     figure.columns = 2;
     figure.naming = Naming::Legend;
     figure
-}
-
-fn number(value: f64) -> String {
-    if value.is_infinite() { "∞".to_owned() } else { format!("{value}") }
 }
 
 /// The values in increasing order, each once.

@@ -1,6 +1,7 @@
 //! The charts of the tools, made of records only.
 
 mod curve;
+mod forces;
 pub mod impacts;
 mod levels;
 mod maps;
@@ -12,6 +13,7 @@ pub mod studies;
 mod units;
 pub mod verification;
 
+pub use forces::per_force;
 pub use levels::{ContourLines, Level, interpolated_contours, levels};
 pub use maps::{costs, curves, is_logarithmic, map, mass_family, titled_by_limit};
 pub use optimal::optimal_ratio;

@@ -155,7 +155,7 @@ pub fn execute(
                 progress.add((done - seen) as usize);
                 seen = done;
             };
-            let watched = impact::Progress { stop: &STOP, report: &mut report };
+            let watched = impact::Observer { stop: &STOP, report: &mut report };
             let history = planned.run.execute(recording, Some(watched));
             progress.add(planned.run.steps().saturating_sub(seen) as usize);
             match history {

@@ -40,6 +40,17 @@ impl Limit {
         }
     }
 
+    /// Every scheme; the spectrum is none.
+    pub const SCHEMES: [Self; 7] = [
+        Self::CentralDifference,
+        Self::PredictorCorrector,
+        Self::Park,
+        Self::NohBathe,
+        Self::ChungLee,
+        Self::TchamwaWielgosz,
+        Self::GeneralisedAlpha,
+    ];
+
     /// The scheme of this crate whose limit is not the spectrum's.
     pub fn scheme(self) -> Option<SchemeName> {
         match self {

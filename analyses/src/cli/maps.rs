@@ -13,7 +13,7 @@ use bipenalty::scene::Scene;
 use bipenalty::schemes::{ClosedLimit, SchemeName};
 use bipenalty::spectrum::Uncertified;
 use bipenalty::stability::{
-    AnyModel, Asking, Axis, CriticalStep, Curve, Grid, LimitOf, Model, map, with_limit,
+    AnyModel, Asking, CriticalStep, Curve, Grid, LimitOf, Model, Sweep, map, with_limit,
 };
 
 /// How the points of a job are drawn.
@@ -49,9 +49,9 @@ pub struct Job {
     /// The models, a panel each.
     pub models: Vec<Arc<AnyModel>>,
     /// The axis of beta_s.
-    pub beta_s: Axis,
+    pub beta_s: Sweep,
     /// The axis of r.
-    pub ratio: Axis,
+    pub ratio: Sweep,
     /// The same as a checked grid.
     pub grid: Grid,
     /// The chart.
@@ -97,7 +97,12 @@ impl Job {
     ///
     /// # Errors
     /// A grid that is empty, too large, or whose penalties leave the range of f64.
-    pub fn new(stem: String, models: Vec<Arc<AnyModel>>, beta_s: Axis, ratio: Axis) -> Result<Self, Refusal> {
+    pub fn new(
+        stem: String,
+        models: Vec<Arc<AnyModel>>,
+        beta_s: Sweep,
+        ratio: Sweep,
+    ) -> Result<Self, Refusal> {
         let grid = checked_grid(&beta_s, &ratio)?;
         // What a mesh refers to is an eigenvalue, which is for the run to compute.
         for model in models.iter().filter(|model| matches!(***model, AnyModel::Bars(_))) {
@@ -115,7 +120,7 @@ impl Job {
     pub fn plastic(
         stem: String,
         model: Arc<AnyModel>,
-        beta_s: Axis,
+        beta_s: Sweep,
         relative_courant: f64,
     ) -> Result<Self, Refusal> {
         let AnyModel::Bars(bars) = &*model else {
@@ -131,7 +136,7 @@ impl Job {
             limit.plastic_ratio(beta_s, relative_courant)
         };
         let ratios: Result<Vec<f64>, Refusal> = beta_s.values.iter().map(ratio).collect();
-        let job = Self::new(stem, vec![model.clone()], beta_s, Axis::list(ratios?))?;
+        let job = Self::new(stem, vec![model.clone()], beta_s, Sweep::list(ratios?))?;
         Ok(Self { chart: Chart::None, paired: true, ..job })
     }
 
@@ -252,7 +257,7 @@ impl Job {
         if of_bars && limit.limit.scheme().is_some() && model.contacts() > 1 {
             return Ok(interpolated_contours(rows, asked));
         }
-        let range = |axis: &Axis| (axis.values[0], axis.values[axis.values.len() - 1]);
+        let range = |axis: &Sweep| (axis.values[0], axis.values[axis.values.len() - 1]);
         let (beta_s, ratio, asking) = (range(&self.beta_s), range(&self.ratio), limit.asking()?);
         let line = |level: Level| {
             let points = model.contour(level.value, beta_s, ratio, &asking)?;
@@ -266,7 +271,7 @@ impl Job {
 ///
 /// # Errors
 /// See [`Grid::new`].
-pub fn checked_grid(beta_s: &Axis, ratio: &Axis) -> Result<Grid, Refusal> {
+pub fn checked_grid(beta_s: &Sweep, ratio: &Sweep) -> Result<Grid, Refusal> {
     Grid::new(beta_s, ratio)
 }
 
@@ -298,12 +303,12 @@ pub fn paper(
     masses: &[MassMatrix],
     form: PenaltyMass,
 ) -> Result<Vec<Job>> {
-    let ratios = Axis::list([0.5, 1.0, 2.0, 3.0, f64::INFINITY]);
-    let linear = Axis::linear(0.0, 10.0, 401)?;
-    let (log_beta, log_ratio) = (Axis::log(1e-3, 1e12, 181)?, Axis::log(0.1, 1e3, 97)?);
+    let ratios = Sweep::list([0.5, 1.0, 2.0, 3.0, f64::INFINITY]);
+    let linear = Sweep::linear(0.0, 10.0, 401)?;
+    let (log_beta, log_ratio) = (Sweep::log(1e-3, 1e12, 181)?, Sweep::log(0.1, 1e3, 97)?);
     let mut jobs = vec![mass_family(scene("signorini", 1)?, form)?];
     // Fig. 1: the penalty method against the bi-penalty method at its optimum.
-    let methods = Axis::list([1.0, f64::INFINITY]);
+    let methods = Sweep::list([1.0, f64::INFINITY]);
     for mass in masses {
         let model = bars(scene("signorini", 1)?, *mass, form);
         let name = format!("fig1-{}", mass.name());
@@ -331,9 +336,9 @@ fn bars(scene: Scene, mass: MassMatrix, form: PenaltyMass) -> Arc<AnyModel> {
 
 /// The contact-free limit over gamma, (26).
 fn mass_family(scene: Scene, form: PenaltyMass) -> Result<Job, Refusal> {
-    let gammas = Axis::linear(0.0, 1.0, 21)?;
+    let gammas = Sweep::linear(0.0, 1.0, 21)?;
     let model = |gamma: &f64| Ok(bars(scene.clone(), MassMatrix::new(*gamma)?, form));
     let models = gammas.values.iter().map(model).collect::<Result<_, Refusal>>()?;
-    let job = Job::new("mass-matrices".to_owned(), models, Axis::list([0.0]), Axis::list([1.0]))?;
+    let job = Job::new("mass-matrices".to_owned(), models, Sweep::list([0.0]), Sweep::list([1.0]))?;
     Ok(Job { chart: Chart::MassFamily, ..job })
 }

@@ -4,6 +4,7 @@
 //! checked holds; 1: done, and a check did not hold; 2: refused, nothing computed or written.
 
 mod arguments;
+mod forces;
 mod impact_files;
 mod impacts;
 mod limit;
@@ -17,12 +18,14 @@ mod peers;
 mod plan;
 mod progress;
 mod redraw;
+mod samples;
 mod steps;
 mod style;
 mod summary;
 mod verification;
 
 pub use arguments::arguments;
+pub use forces::{ForceOptions, ForcePlan};
 pub use impact_files::{draw_impacts, draw_passages, write_impacts};
 pub use impacts::{
     FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute, suffix,
@@ -37,12 +40,13 @@ pub use passages::{FinishedPassage, Kept, PlannedPassage, StepOptions, check_pas
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use plan::{explain, step_and_cost};
 pub use progress::Progress;
-pub use redraw::{redraw_optimal_ratio, redraw_stability};
+pub use redraw::{Redrawn, redraw_costs, redraw_optimal_ratio, redraw_stability};
+pub use samples::Samples;
 pub use steps::{HeldStep, hold_step};
 pub use style::{ColourMapOption, Limits, StyleOptions, TextOption};
 pub use summary::{
-    FEW_POINTS, MapSummary, governing_answer, point_answers, print_impacts, print_summaries, print_table,
-    tabulate_ratios,
+    FEW_POINTS, MapSummary, governing_answer, point_answers, print_costs, print_impacts, print_summaries,
+    print_table, tabulate_ratios,
 };
 pub use verification::{print_reasons, print_verification};
 

@@ -69,5 +69,5 @@ fn run<A: Analysis>(analysis: &A) -> Result<Verdict> {
         output.report(files);
     }
     output.check_drawn()?;
-    Ok(analysis.verdict(&found))
+    Ok(if output.check_redrawn() { analysis.verdict(&found) } else { Verdict::Fails })
 }

@@ -12,12 +12,12 @@ use crate::error::{Refusal, Result};
 use crate::record::{OpeningRow, Recommendation, VerifyRow, scans};
 use bipenalty::impact::{Encounter, Passage, Run, duration};
 use bipenalty::schemes::{Scheme, SchemeName};
-use bipenalty::stability::{AnyModel, AnyScene, Axis, Grid, Model};
+use bipenalty::stability::{AnyModel, AnyScene, Grid, Model, Sweep};
 use bipenalty::verify::opening::{
     LinearLimit, Load, MOST_STEPS, energy_gain, energy_put_in, is_proven, is_proven_passage, passage_energy,
     passage_gain,
 };
-use bipenalty::verify::{Point, linear_step, points_of};
+use bipenalty::verify::{PenaltyPoint, linear_step, points_of};
 
 /// How contacts behave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -33,7 +33,7 @@ pub enum Contact {
 pub struct OpeningOptions {
     /// Opening contact: steps over the predicted limit, each in (0, 1) [default: 0.1 to 0.9 by 0.1, and 0.99]
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true)]
-    pub fraction: Option<Axis>,
+    pub fraction: Option<Sweep>,
 }
 
 /// Steps over the predicted limit where nothing else is asked for.
@@ -57,7 +57,7 @@ impl Trial {
 /// One run below the linear limit.
 struct Case {
     trial: Trial,
-    point: Point,
+    point: PenaltyPoint,
     predicted: f64,
     contact_free_courant: f64,
     proven: bool,
@@ -163,7 +163,7 @@ impl OpeningPlan {
         &mut self,
         model: &Model,
         scheme: &Arc<dyn Scheme>,
-        point: Point,
+        point: PenaltyPoint,
         limit: &LinearLimit,
         fractions: &[f64],
     ) -> Result<(), Refusal> {

@@ -12,7 +12,7 @@ use crate::error::{Error, Refusal, Result};
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
 use bipenalty::scene::{MAX_ELEMENTS, Scene};
-use bipenalty::stability::{AnyModel, AnyScene, Axis, Model};
+use bipenalty::stability::{AnyModel, AnyScene, Model, Sweep};
 use figure::Width;
 
 /// Which scenes, how finely meshed, with which mass.
@@ -155,7 +155,7 @@ pub enum Units {
 #[derive(Debug, Clone, PartialEq)]
 pub enum RatioSpec {
     /// The same ratios for every beta_s.
-    Axis(Axis),
+    Sweep(Sweep),
     /// For every beta_s the ratio of zero penetration, dt^2 s' mu = 1.
     Plastic,
 }
@@ -164,7 +164,7 @@ impl FromStr for RatioSpec {
     type Err = Refusal;
 
     fn from_str(text: &str) -> Result<Self, Refusal> {
-        if text == "plastic" { Ok(Self::Plastic) } else { text.parse().map(Self::Axis) }
+        if text == "plastic" { Ok(Self::Plastic) } else { text.parse().map(Self::Sweep) }
     }
 }
 

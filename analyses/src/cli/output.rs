@@ -9,7 +9,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::style::Style;
-use super::{Format, OutputOptions, StandardOutput};
+use super::{Format, OutputOptions, Redrawn, Samples, StandardOutput};
 use crate::error::{Error, Refusal, Result};
 use crate::record::{self, FigureRecord, Origin, Provenance, Table};
 use figure::{Figure, Width};
@@ -30,8 +30,10 @@ pub struct Output {
     undrawn: Arc<Mutex<Option<Error>>>,
     /// The files that are drawn again, never to be overwritten.
     sources: Vec<PathBuf>,
-    /// Where the rows that are drawn again come from; `None` where they are computed.
-    computed: Option<Vec<Origin>>,
+    /// Where the rows that are drawn again come from, and what was found of them; `None` where they are computed.
+    computed: Option<(Vec<Origin>, Samples)>,
+    /// What of the rows that are drawn again does not hold.
+    doubt: Arc<Mutex<Option<String>>>,
 }
 
 impl Output {
@@ -61,14 +63,27 @@ impl Output {
             undrawn: Arc::default(),
             sources: Vec::new(),
             computed: None,
+            doubt: Arc::default(),
         })
     }
 
-    /// The same output for the figures of the records in these files, of so many rows, which are left as they are.
-    pub fn redrawing(self, files: &[(PathBuf, usize)]) -> Self {
-        let sources = files.iter().filter_map(|(file, _)| file.canonicalize().ok()).collect();
-        let computed = files.iter().map(|(file, rows)| Origin::of(file, *rows)).collect();
-        Self { sources, computed: Some(computed), ..self }
+    /// The same output for the figures of the records in these files, which are left as they are.
+    pub fn redrawing(self, files: Vec<Redrawn>) -> Self {
+        let sources = files.iter().filter_map(|redrawn| redrawn.file.canonicalize().ok()).collect();
+        let (origins, samples): (Vec<Origin>, Vec<Samples>) =
+            files.into_iter().map(|redrawn| (redrawn.origin, redrawn.samples)).unzip();
+        let samples = samples.into_iter().fold(Samples::default(), Samples::joined);
+        self.doubt.lock().unwrap_or_else(PoisonError::into_inner).clone_from(&samples.differs);
+        Self { sources, computed: Some((origins, samples)), ..self }
+    }
+
+    /// Tells on standard error of rows that were drawn again and are not what they say; whether there are none.
+    pub fn check_redrawn(&self) -> bool {
+        let doubt = self.doubt.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(differs) = &doubt {
+            eprintln!("does not hold: {differs}");
+        }
+        doubt.is_none()
     }
 
     /// The contour lines that the user asked for.
@@ -237,8 +252,9 @@ impl Output {
                 about.map(|rows| -> Result<_> { Ok(Table::of("", &record::csv(rows)?)?) }).transpose()?;
             let width = figure.width.millimetres();
             let mut record = FigureRecord::new(stem, width, self.provenance.clone(), &data, about.as_ref());
-            if let Some(computed) = &self.computed {
-                record = record.redrawn(computed.clone(), &data);
+            if let Some((origins, samples)) = &self.computed {
+                record = record.redrawn(origins.clone(), &data, samples.check());
+                record.unchecked = samples.unknown.iter().cloned().collect();
             }
             record.files =
                 written.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect();

@@ -17,7 +17,7 @@ use bipenalty::memory;
 use bipenalty::mesh::{Elements, Field, Place, von_mises};
 use bipenalty::schemes::{Motion, Scheme};
 use bipenalty::stability::{AnyModel, AnyScene};
-use bipenalty::verify::{Point, linear_step};
+use bipenalty::verify::{PenaltyPoint, linear_step};
 
 /// How long a step is.
 #[derive(Debug, Clone, Args)]
@@ -48,7 +48,7 @@ impl StepOptions {
         model: &AnyModel,
         critical_step: f64,
         scheme: &Arc<dyn Scheme>,
-        point: Point,
+        point: PenaltyPoint,
     ) -> Result<f64> {
         let positive = |option: &str, value: f64, allowed: &str| {
             let held = value > 0.0 && value.is_finite();
@@ -75,7 +75,7 @@ pub struct PlannedPassage {
     /// The run.
     pub passage: Passage,
     /// beta_s and r.
-    pub point: Point,
+    pub point: PenaltyPoint,
     /// What the resultant is compared with, where the scene has an exact solution.
     pub comparison: Option<Comparison>,
     /// The exact force as a line, with its jumps.
@@ -115,7 +115,7 @@ impl PlannedPassage {
         (scene, model): (&AnyScene, &Arc<AnyModel>),
         encounter: &Encounter,
         scheme: &Arc<dyn Scheme>,
-        point: Point,
+        point: PenaltyPoint,
         (steps, duration): (&StepOptions, Option<f64>),
     ) -> Result<Self> {
         let duration = duration.map_or_else(|| impact::duration(scene), Ok)?;
@@ -221,7 +221,7 @@ fn pass(
         progress.add((done - seen) as usize);
         seen = done;
     };
-    let watched = impact::Progress { stop: &STOP, report: &mut report };
+    let watched = impact::Observer { stop: &STOP, report: &mut report };
     let stem = planned.stem();
     let mut contacts = output.stream(&format!("{stem}-contacts"))?;
     let (mut rows, mut comparison) = (Vec::new(), planned.comparison.clone());

@@ -5,7 +5,7 @@ use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 
 use super::Solved;
-use crate::record::{GIVEN, ImpactRow, Number, OptimalRatioRow, StabilityRow};
+use crate::record::{CostRow, GIVEN, ImpactRow, Number, OptimalRatioRow, StabilityRow};
 use bipenalty::penalty::Ratio;
 use bipenalty::stability::{AnyModel, CriticalStep, Curve, Governing, MapPoint, Model};
 
@@ -219,6 +219,32 @@ pub fn tabulate_ratios(rows: &[OptimalRatioRow]) -> Vec<String> {
         failing.map_or("yes".to_owned(), |row| format!("NO, at beta_s = {}", short(row.stiffness_penalty.0)));
     let elements = first.elements.map_or("-".to_owned(), |n| n.to_string());
     vec![first.scene.clone(), elements, first.mass.clone(), text, holds]
+}
+
+/// Prints one line a scheme: the cheapest and the dearest penalty of each ratio.
+pub fn print_costs(rows: &[CostRow]) {
+    let header =
+        ["scene", "mass", "scheme", "forces a step", "r", "cost, central difference without contact = 1"];
+    let curves = rows.chunk_by(|a, b| {
+        (&a.scene, &a.mass, a.limit, a.parameter, a.ratio)
+            == (&b.scene, &b.mass, b.limit, b.parameter, b.ratio)
+    });
+    let cells = |curve: &[CostRow]| {
+        let costs = || curve.iter().filter_map(|row| row.cost).map(|cost| cost.0);
+        let (low, high) = (costs().fold(f64::INFINITY, f64::min), costs().fold(0.0, f64::max));
+        let row = &curve[0];
+        let cost = if low <= high { format!("{low:.4} to {high:.4}") } else { "not certified".to_owned() };
+        let scheme = row.parameter.map_or(row.limit.to_owned(), |p| format!("{} {:.4}", row.limit, p.0));
+        vec![
+            row.scene.clone(),
+            row.mass.clone(),
+            scheme,
+            row.evaluations.to_string(),
+            short(row.ratio.0),
+            cost,
+        ]
+    };
+    print_table(&header, curves.map(cells));
 }
 
 /// Prints one line a run.

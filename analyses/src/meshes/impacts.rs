@@ -12,7 +12,7 @@ use bipenalty::mesh::MeshScene;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::schemes::{Scheme, SchemeName};
 use bipenalty::stability::{AnyModel, AnyScene};
-use bipenalty::verify::{Point, linear_step};
+use bipenalty::verify::{PenaltyPoint, linear_step};
 
 /// Cells across the block for each so many along it.
 const SLENDER: usize = 10;
@@ -115,7 +115,8 @@ impl Block {
         clock: bool,
     ) -> Result<StudyRow> {
         let scheme: Arc<dyn Scheme> = scheme.into();
-        let point = Point { stiffness_penalty: StiffnessPenalty::new(beta_s)?, ratio: Ratio::new(ratio)? };
+        let point =
+            PenaltyPoint { stiffness_penalty: StiffnessPenalty::new(beta_s)?, ratio: Ratio::new(ratio)? };
         let (courant, limit) = match pace {
             Pace::Free(share) => (share, ""),
             Pace::Limit(share) => {

@@ -10,7 +10,7 @@ pub use scenes::{Blocks, disc};
 use crate::error::{Error, Refusal, Result};
 use crate::record::{MeshRow, Number};
 use bipenalty::penalty::PenaltyMass;
-use bipenalty::stability::{AnyModel, Asking, Axis, CriticalStep, Grid};
+use bipenalty::stability::{AnyModel, Asking, CriticalStep, Grid, Sweep};
 
 /// Elements in the plane and in space.
 pub const ELEMENTS: [[&str; 4]; 2] = [["tri3", "tri6", "quad4", "quad8"], ["tet4", "tet10", "hex8", "hex20"]];
@@ -59,8 +59,8 @@ impl Study {
     /// The enclosed steps of all points, ratio by ratio.
     fn exact(
         &self,
-        beta_s: &Axis,
-        ratios: &Axis,
+        beta_s: &Sweep,
+        ratios: &Sweep,
         patch: Option<usize>,
     ) -> Result<Vec<(f64, f64, CriticalStep)>> {
         let grid = Grid::new(beta_s, ratios)?;
@@ -143,7 +143,7 @@ pub fn contact_models(fine: &Fineness) -> Result<Vec<AnyModel>> {
 /// # Errors
 /// As [`AnyModel::map`].
 pub fn elements(fine: &Fineness) -> Result<Vec<MeshRow>> {
-    let (beta_s, pure) = (Axis::log(1e-2, 1e3, fine.points)?, Axis::list([f64::INFINITY]));
+    let (beta_s, pure) = (Sweep::log(1e-2, 1e3, fine.points)?, Sweep::list([f64::INFINITY]));
     let mut rows = Vec::new();
     for (kinds, cells) in ELEMENTS.iter().zip([fine.plane / 2, fine.space / 2]) {
         for element in kinds {
@@ -160,7 +160,7 @@ pub fn elements(fine: &Fineness) -> Result<Vec<MeshRow>> {
 /// # Errors
 /// As [`AnyModel::map`].
 pub fn sizes(fine: &Fineness) -> Result<Vec<MeshRow>> {
-    let (beta_s, ratios) = (Axis::list([1.0, 1e3]), Axis::list([1.0, 2.0, 4.0, f64::INFINITY]));
+    let (beta_s, ratios) = (Sweep::list([1.0, 1e3]), Sweep::list([1.0, 2.0, 4.0, f64::INFINITY]));
     let n = fine.plane;
     let mut rows = Vec::new();
     for cells in [[2, 16], [2, 8], [4, 12], [4, 8], [6, 9], [8, 8], [9, 6], [8, 4], [12, 4], [8, 2], [16, 2]]
@@ -182,7 +182,7 @@ pub fn bounds(fine: &Fineness) -> Result<Vec<MeshRow>> {
     let mut rows = Vec::new();
     for (element, cells) in [("quad4", fine.plane), ("hex8", fine.space)] {
         let study = Study::new(element, element, [cells; 2])?;
-        let (beta_s, ratios) = (Axis::list([0.0, 1.0, 10.0, 1e3]), Axis::list([1.0, f64::INFINITY]));
+        let (beta_s, ratios) = (Sweep::list([0.0, 1.0, 10.0, 1e3]), Sweep::list([1.0, f64::INFINITY]));
         let exact = study.exact(&beta_s, &ratios, None)?;
         // Whole patches only: a remainder of few elements proves as little as they would for themselves.
         let edges = (1..cells).filter(|edge| cells / 2 % edge == 0);
@@ -203,7 +203,7 @@ pub fn bounds(fine: &Fineness) -> Result<Vec<MeshRow>> {
 /// # Errors
 /// As [`AnyModel::map`].
 pub fn rules(fine: &Fineness) -> Result<Vec<MeshRow>> {
-    let (beta_s, ratios) = (Axis::log(1e-2, 1e4, fine.points)?, Axis::list([1.0, 4.0, f64::INFINITY]));
+    let (beta_s, ratios) = (Sweep::log(1e-2, 1e4, fine.points)?, Sweep::list([1.0, 4.0, f64::INFINITY]));
     let mut rows = Vec::new();
     for (name, element, cells) in [
         ("quad4-unlike", "quad4", [fine.plane, fine.plane * 17 / 24]),
@@ -212,8 +212,8 @@ pub fn rules(fine: &Fineness) -> Result<Vec<MeshRow>> {
         let study = Study::new(name, element, cells)?;
         let AnyModel::Mesh(mesh) = &study.model else { continue };
         let rules = Rules::new(mesh, study.model.reference()?);
-        let none = Axis::list([0.0]);
-        let single = study.exact(&none, &Axis::list([f64::INFINITY]), Some(1))?;
+        let none = Sweep::list([0.0]);
+        let single = study.exact(&none, &Sweep::list([f64::INFINITY]), Some(1))?;
         let Some(element) = single.first().map(|(.., step)| step.lower * study.unit) else { continue };
         for point in study.exact(&beta_s, &ratios, None)? {
             let (beta_s, ratio, _) = point;
@@ -246,9 +246,9 @@ pub fn scales(fine: &Fineness) -> Result<Vec<MeshRow>> {
         let asking = Asking { tolerance: Some(WIDTH), ..Asking::default() };
         let first = study.model.largest_penalty(MANUAL[0].1 * study.free, f64::INFINITY, &asking)?;
         let Some(first) = first.filter(|first| first.value.is_finite()) else { continue };
-        let scales = Axis::log(1.0, 1e4, fine.points.max(5))?.values;
-        let beta_s = Axis::list(scales.iter().map(|scale| scale * first.value).collect::<Vec<_>>());
-        let found = study.exact(&beta_s, &Axis::list([1.0, f64::INFINITY]), None)?;
+        let scales = Sweep::log(1.0, 1e4, fine.points.max(5))?.values;
+        let beta_s = Sweep::list(scales.iter().map(|scale| scale * first.value).collect::<Vec<_>>());
+        let found = study.exact(&beta_s, &Sweep::list([1.0, f64::INFINITY]), None)?;
         let scales = scales.iter().cycle();
         rows.extend(
             found

@@ -30,6 +30,9 @@ pub struct FigureRecord {
     pub data: Vec<DataFile>,
     /// What was checked of them.
     pub checks: Vec<Check>,
+    /// Of a figure that was drawn again: why rows could not be computed anew to be held against.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unchecked: Vec<String>,
     /// Whether every check holds.
     pub holds: bool,
     /// From the start of the run to this figure, s.
@@ -98,6 +101,7 @@ impl FigureRecord {
             data: data.iter().map(|t| DataFile { file: t.file.clone(), rows: t.rows.len() }).collect(),
             holds: checks.iter().all(|check| check.holds == check.rows),
             checks,
+            unchecked: Vec::new(),
             seconds: 0.0,
         }
     }
@@ -105,8 +109,9 @@ impl FigureRecord {
 
 impl FigureRecord {
     /// The same record of a figure that was drawn again from rows of these runs: what they have certified was only read.
-    pub fn redrawn(mut self, computed: Vec<Origin>, data: &[Table]) -> Self {
-        self.checks = data.iter().flat_map(|table| checks(table, READ)).collect();
+    /// `samples` says of how many rows, computed anew, the same was found.
+    pub fn redrawn(mut self, computed: Vec<Origin>, data: &[Table], samples: Check) -> Self {
+        self.checks = data.iter().flat_map(|table| checks(table, READ)).chain([samples]).collect();
         self.holds = self.checks.iter().all(|check| check.holds == check.rows);
         Self { computed: Some(computed), ..self }
     }

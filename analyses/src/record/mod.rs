@@ -9,6 +9,7 @@
 //! ```
 
 mod columns;
+mod cost_rows;
 mod figure_record;
 mod impact_rows;
 mod mesh_rows;
@@ -23,6 +24,7 @@ mod study_rows;
 mod table;
 mod verify_rows;
 
+pub use cost_rows::{CostRow, Price};
 pub use figure_record::{Check, DataFile, FigureRecord};
 pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
 pub use mesh_rows::MeshRow;
@@ -30,7 +32,7 @@ pub use opening_rows::{OpeningRow, Recommendation, scans};
 pub use origin::Origin;
 pub use passage_rows::{ContactRow, PassageRow, PlaceRow};
 pub use provenance::Provenance;
-pub use read::{optimal_ratio_rows, stability_rows};
+pub use read::{cost_rows, optimal_ratio_rows, stability_rows};
 pub use rows::{GIVEN, LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow, Subject};
 pub use step_rows::StepRow;
 pub use study_rows::StudyRow;

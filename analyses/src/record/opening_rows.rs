@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{GIVEN, Number, VerifyRow};
 use bipenalty::impact::{Passage, Run};
 use bipenalty::stability::AnyModel;
-use bipenalty::verify::Point;
+use bipenalty::verify::PenaltyPoint;
 use bipenalty::verify::opening::{Gain, Load, least_gain};
 
 /// What one run has gained. Steps are dt over the contact-free critical step.
@@ -45,7 +45,7 @@ pub struct OpeningRow {
 
 impl OpeningRow {
     /// The row of `run` under `load` at `point`.
-    pub fn new(run: &Run, load: Load, point: Point, predicted: f64, found: &Gain) -> Self {
+    pub fn new(run: &Run, load: Load, point: PenaltyPoint, predicted: f64, found: &Gain) -> Self {
         let model = run.model();
         Self {
             scene: model.scene().name().to_owned(),
@@ -70,7 +70,7 @@ impl OpeningRow {
     pub fn of_passage(
         model: &AnyModel,
         passage: &Passage,
-        point: Point,
+        point: PenaltyPoint,
         predicted: f64,
         found: &Gain,
     ) -> Self {

@@ -39,6 +39,11 @@ impl Origin {
         Self { file: name, run, unknown }
     }
 
+    /// The command of the run, if it is known.
+    pub fn command(&self) -> Option<&str> {
+        self.run.as_ref().and_then(|run| run.command.as_str())
+    }
+
     fn read(file: &Path, name: &str, rows: usize) -> Result<Run, String> {
         let record = file.with_extension("record.json");
         let shown = record.file_name().and_then(|name| name.to_str()).unwrap_or_default().to_owned();

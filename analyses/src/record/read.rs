@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow};
+use super::{CostRow, LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow};
 use crate::error::{Error, Refusal, Result};
 use bipenalty::damping::Damping;
 use bipenalty::schemes::explicit::ExplicitName;
@@ -37,6 +37,14 @@ pub fn stability_rows(file: &Path) -> Result<Vec<StabilityRow>> {
 /// # Errors
 /// As [`stability_rows`].
 pub fn optimal_ratio_rows(file: &Path) -> Result<Vec<OptimalRatioRow>> {
+    rows(file)
+}
+
+/// The rows of a file that `scheme-limits --per-force` has written.
+///
+/// # Errors
+/// As [`stability_rows`].
+pub fn cost_rows(file: &Path) -> Result<Vec<CostRow>> {
     rows(file)
 }
 
@@ -170,6 +178,10 @@ impl Cells<'_> {
             text => text.parse().ok().filter(|n| *n >= 1).map(Some),
         };
         self.parsed(column, "an integer of at least 1, or nothing", count)
+    }
+
+    pub(super) fn count(&self, column: &str) -> Result<usize, Refusal> {
+        self.parsed(column, "an integer of at least 1", |text| text.parse().ok().filter(|n| *n >= 1))
     }
 
     pub(super) fn ratio(&self, column: &str) -> Result<Number, Refusal> {

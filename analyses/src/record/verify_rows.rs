@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{GIVEN, Number};
 use bipenalty::schemes::Scheme;
 use bipenalty::stability::AnyModel;
-use bipenalty::verify::{Confirmation, Point};
+use bipenalty::verify::{Confirmation, PenaltyPoint};
 
 /// A predicted limit beside the one that stepping found; Courant numbers are c0 dt/h of the reference element of bars, and
 /// omega_ref dt/2 of matrices and meshes.
@@ -51,7 +51,12 @@ pub struct VerifyRow {
 
 impl VerifyRow {
     /// The row of one point with contacts held closed.
-    pub fn new(model: &AnyModel, scheme: &dyn Scheme, point: Point, confirmation: &Confirmation) -> Self {
+    pub fn new(
+        model: &AnyModel,
+        scheme: &dyn Scheme,
+        point: PenaltyPoint,
+        confirmation: &Confirmation,
+    ) -> Self {
         let Confirmation { predicted, found, agrees } = confirmation;
         let predicted = predicted.as_ref();
         let islands = predicted.iter().flat_map(|predicted| &predicted.islands);

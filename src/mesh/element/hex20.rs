@@ -1,6 +1,6 @@
 //! Twenty-node hexahedron (serendipity); 3 x 3 x 3 Gauss points.
 
-use super::{Coordinates, Element, Point, Shape, quad8, quadrature, shapes};
+use super::{Coordinates, Element, QuadraturePoint, Shape, quad8, quadrature, shapes};
 
 /// Twenty-node hexahedron.
 #[derive(Debug)]
@@ -45,7 +45,7 @@ impl Element for Hex20 {
     fn shape(&self, at: Coordinates) -> Shape {
         shapes::serendipity(3, &NODES, at)
     }
-    fn quadrature(&self) -> &'static [Point] {
+    fn quadrature(&self) -> &'static [QuadraturePoint] {
         &quadrature::CUBE_27
     }
     fn faces(&self) -> &'static [&'static [usize]] {

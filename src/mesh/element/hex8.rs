@@ -1,6 +1,6 @@
 //! Eight-node hexahedron; 2 x 2 x 2 Gauss points.
 
-use super::{Coordinates, Element, Point, Shape, quad4, quadrature, shapes};
+use super::{Coordinates, Element, QuadraturePoint, Shape, quad4, quadrature, shapes};
 
 /// Eight-node hexahedron.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ impl Element for Hex8 {
     fn shape(&self, at: Coordinates) -> Shape {
         shapes::multilinear(3, &NODES, at)
     }
-    fn quadrature(&self) -> &'static [Point] {
+    fn quadrature(&self) -> &'static [QuadraturePoint] {
         &quadrature::CUBE_8
     }
     fn faces(&self) -> &'static [&'static [usize]] {

@@ -1,6 +1,6 @@
 //! The edges of plane elements: faces only, without faces of their own.
 
-use super::{Coordinates, Element, Point, Shape, quadrature, shapes};
+use super::{Coordinates, Element, QuadraturePoint, Shape, quadrature, shapes};
 
 /// A line has no faces, so nobody asks what they are.
 fn self_face() -> &'static dyn Element {
@@ -29,7 +29,7 @@ impl Element for Line2 {
     fn shape(&self, at: Coordinates) -> Shape {
         shapes::multilinear(1, &LINE2, at)
     }
-    fn quadrature(&self) -> &'static [Point] {
+    fn quadrature(&self) -> &'static [QuadraturePoint] {
         &quadrature::LINE_2
     }
     fn faces(&self) -> &'static [&'static [usize]] {
@@ -65,7 +65,7 @@ impl Element for Line3 {
     fn shape(&self, at: Coordinates) -> Shape {
         shapes::serendipity(1, &LINE3, at)
     }
-    fn quadrature(&self) -> &'static [Point] {
+    fn quadrature(&self) -> &'static [QuadraturePoint] {
         &quadrature::LINE_3
     }
     fn faces(&self) -> &'static [&'static [usize]] {

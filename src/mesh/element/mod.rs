@@ -16,7 +16,7 @@ mod tet4;
 mod tri3;
 mod tri6;
 
-pub use quadrature::Point;
+pub use quadrature::QuadraturePoint;
 
 /// A place, m, or a reference coordinate; the third entry is 0 in the plane.
 pub type Coordinates = [f64; 3];
@@ -46,7 +46,7 @@ pub trait Element: Sync + std::fmt::Debug {
     /// N and dN/dxi at reference coordinates.
     fn shape(&self, at: Coordinates) -> Shape;
     /// The quadrature of stiffness and mass.
-    fn quadrature(&self) -> &'static [Point];
+    fn quadrature(&self) -> &'static [QuadraturePoint];
     /// Local nodes of each face, outward normal by the right hand (in the plane: the body lies to the left).
     fn faces(&self) -> &'static [&'static [usize]];
     /// The element that a face is.

@@ -1,6 +1,6 @@
 //! Four-node quadrilateral; 2 x 2 Gauss points.
 
-use super::{Coordinates, Element, Point, Shape, line, quadrature, shapes};
+use super::{Coordinates, Element, QuadraturePoint, Shape, line, quadrature, shapes};
 
 /// Four-node quadrilateral.
 #[derive(Debug)]
@@ -24,7 +24,7 @@ impl Element for Quad4 {
     fn shape(&self, at: Coordinates) -> Shape {
         shapes::multilinear(2, &NODES, at)
     }
-    fn quadrature(&self) -> &'static [Point] {
+    fn quadrature(&self) -> &'static [QuadraturePoint] {
         &quadrature::SQUARE_4
     }
     fn faces(&self) -> &'static [&'static [usize]] {

@@ -1,6 +1,6 @@
 //! Eight-node quadrilateral (serendipity); 3 x 3 Gauss points.
 
-use super::{Coordinates, Element, Point, Shape, line, quadrature, shapes};
+use super::{Coordinates, Element, QuadraturePoint, Shape, line, quadrature, shapes};
 
 /// Eight-node quadrilateral.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ impl Element for Quad8 {
     fn shape(&self, at: Coordinates) -> Shape {
         shapes::serendipity(2, &NODES, at)
     }
-    fn quadrature(&self) -> &'static [Point] {
+    fn quadrature(&self) -> &'static [QuadraturePoint] {
         &quadrature::SQUARE_9
     }
     fn faces(&self) -> &'static [&'static [usize]] {

@@ -1,6 +1,6 @@
 //! Ten-node tetrahedron; 14 points, degree 5.
 
-use super::{Coordinates, Element, Point, Shape, quadrature, shapes, tri6};
+use super::{Coordinates, Element, QuadraturePoint, Shape, quadrature, shapes, tri6};
 
 /// Ten-node tetrahedron.
 #[derive(Debug)]
@@ -37,7 +37,7 @@ impl Element for Tet10 {
     fn shape(&self, at: Coordinates) -> Shape {
         shapes::quadratic_simplex(3, &EDGES, at)
     }
-    fn quadrature(&self) -> &'static [Point] {
+    fn quadrature(&self) -> &'static [QuadraturePoint] {
         &quadrature::TETRAHEDRON_14
     }
     fn faces(&self) -> &'static [&'static [usize]] {

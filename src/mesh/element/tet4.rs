@@ -1,6 +1,6 @@
 //! Four-node tetrahedron; four points, degree 2.
 
-use super::{Coordinates, Element, Point, Shape, quadrature, shapes, tri3};
+use super::{Coordinates, Element, QuadraturePoint, Shape, quadrature, shapes, tri3};
 
 /// Four-node tetrahedron.
 #[derive(Debug)]
@@ -24,7 +24,7 @@ impl Element for Tet4 {
     fn shape(&self, at: Coordinates) -> Shape {
         shapes::linear_simplex(3, at)
     }
-    fn quadrature(&self) -> &'static [Point] {
+    fn quadrature(&self) -> &'static [QuadraturePoint] {
         &quadrature::TETRAHEDRON_4
     }
     fn faces(&self) -> &'static [&'static [usize]] {

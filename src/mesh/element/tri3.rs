@@ -1,6 +1,6 @@
 //! Three-node triangle; three points, degree 2.
 
-use super::{Coordinates, Element, Point, Shape, line, quadrature, shapes};
+use super::{Coordinates, Element, QuadraturePoint, Shape, line, quadrature, shapes};
 
 /// Three-node triangle.
 #[derive(Debug)]
@@ -24,7 +24,7 @@ impl Element for Tri3 {
     fn shape(&self, at: Coordinates) -> Shape {
         shapes::linear_simplex(2, at)
     }
-    fn quadrature(&self) -> &'static [Point] {
+    fn quadrature(&self) -> &'static [QuadraturePoint] {
         &quadrature::TRIANGLE_3
     }
     fn faces(&self) -> &'static [&'static [usize]] {

@@ -1,6 +1,6 @@
 //! Six-node triangle; six points, degree 4.
 
-use super::{Coordinates, Element, Point, Shape, line, quadrature, shapes};
+use super::{Coordinates, Element, QuadraturePoint, Shape, line, quadrature, shapes};
 
 /// Six-node triangle.
 #[derive(Debug)]
@@ -27,7 +27,7 @@ impl Element for Tri6 {
     fn shape(&self, at: Coordinates) -> Shape {
         shapes::quadratic_simplex(2, &EDGES, at)
     }
-    fn quadrature(&self) -> &'static [Point] {
+    fn quadrature(&self) -> &'static [QuadraturePoint] {
         &quadrature::TRIANGLE_6
     }
     fn faces(&self) -> &'static [&'static [usize]] {

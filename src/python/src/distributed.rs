@@ -26,7 +26,7 @@ type Rows<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'p
 /// The numbers of an axis: `0,0.5,10`, `lin:0:10:401` or `log:1e-3:1e12:301`.
 #[pyfunction]
 pub fn axis(text: &str) -> PyResult<Vec<f64>> {
-    text.parse::<bipenalty::stability::Axis>().map(|axis| axis.values).map_err(refused)
+    text.parse::<bipenalty::stability::Sweep>().map(|axis| axis.values).map_err(refused)
 }
 
 /// Cuts a scene of meshes into parts: the lists of each, and the number of elements.

@@ -1,6 +1,6 @@
 //! Impacts of bars: the histories of a run as arrays.
 
-use bipenalty::impact::{Ending, Exact, History, Mesh, Progress, Recording, Run, Summary};
+use bipenalty::impact::{Ending, Exact, History, Mesh, Observer, Recording, Run, Summary};
 use bipenalty::schemes::Energy;
 use numpy::{IntoPyArray, PyArrayMethods, ToPyArray};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -25,7 +25,7 @@ pub fn run<'py>(
     let stepped = run.clone();
     let history = long(py, run.steps() as usize, progress, move |watch: &Watch| {
         let mut report = |done, _| watch.set(done);
-        stepped.execute(&recording, Some(Progress { stop: watch.stop(), report: &mut report }))
+        stepped.execute(&recording, Some(Observer { stop: watch.stop(), report: &mut report }))
     })?
     .map_err(refused)?;
     if matches!(history.ending, Ending::Stopped { .. }) {

@@ -12,10 +12,10 @@ use bipenalty::pencil::Matrix;
 use bipenalty::schemes::Onset;
 use bipenalty::spectrum::{Engine as _, Evidence, Step};
 use bipenalty::stability::{
-    AnyModel, AnyScene, Asking, Auto, Axis, ContactShare, CriticalStep, EngineName, Grid, MapPoint,
-    MeshModel, Model,
+    AnyModel, AnyScene, Asking, Auto, ContactShare, CriticalStep, EngineName, Grid, MapPoint, MeshModel,
+    Model, Sweep,
 };
-use bipenalty::verify::Point;
+use bipenalty::verify::PenaltyPoint;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -229,7 +229,7 @@ impl Core {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Map> {
         let asking = asked.asking()?;
-        let axis = |values: &PyReadonlyArray1<'_, f64>| Axis::list(values.as_array().to_vec());
+        let axis = |values: &PyReadonlyArray1<'_, f64>| Sweep::list(values.as_array().to_vec());
         let grid = Grid::new(&axis(&beta_s), &axis(&ratio)).map_err(refused)?;
         grid.require_memory(Map::BYTES_PER_POINT).map_err(refused)?;
         let model = self.model()?;
@@ -313,7 +313,7 @@ impl Core {
         let usual = if scheme.facts().onset == Onset::SquareRoot { 1e-6 } else { 1e-4 };
         let tolerance = tolerance.unwrap_or(usual);
         let stiffness_penalty = StiffnessPenalty::new(beta_s).map_err(refused)?;
-        let point = Point { stiffness_penalty, ratio: Ratio::new(ratio).map_err(refused)? };
+        let point = PenaltyPoint { stiffness_penalty, ratio: Ratio::new(ratio).map_err(refused)? };
         long(py, 1, None, move |_| stepped(&model, scheme, point, tolerance))?.map_err(failed)
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bipenalty::error::Result;
 use bipenalty::schemes::Scheme;
 use bipenalty::stability::{AnyModel, Asking, LimitOf};
-use bipenalty::verify::{Point, Prediction, Predictor, Search, confirm, limit_of_any};
+use bipenalty::verify::{PenaltyPoint, Prediction, Predictor, Search, confirm, limit_of_any};
 
 /// The predicted limit, a stable and an unstable step, s; steps of a trial; growth; whether the prediction agrees.
 pub type SteppedTuple = ([f64; 3], u64, f64, Option<bool>);
@@ -17,7 +17,7 @@ pub type SteppedTuple = ([f64; 3], u64, f64, Option<bool>);
 pub fn stepped(
     model: &AnyModel,
     scheme: Arc<dyn Scheme>,
-    point: Point,
+    point: PenaltyPoint,
     tolerance: f64,
 ) -> Result<SteppedTuple> {
     let (predicted, found, agrees) = match model {

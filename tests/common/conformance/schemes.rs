@@ -7,7 +7,7 @@ use bipenalty::scene::{Bar, End, Impact, Scene};
 use bipenalty::schemes::{ContactRule, Motion, Scheme, System};
 use bipenalty::spectrum::Engine as _;
 use bipenalty::stability::Model;
-use bipenalty::verify::{Point, Predictor, confirm};
+use bipenalty::verify::{PenaltyPoint, Predictor, confirm};
 
 use super::{as_mesh, place};
 
@@ -135,7 +135,7 @@ pub fn has_its_limit(scheme: &dyn Scheme) {
         let predictor = Predictor::new(&model, &pencil, scheme).unwrap();
         for (beta_s, ratio) in [(0.0, 1.0), (1.0, 1.0), (30.0, 2.0), (1e3, f64::INFINITY)] {
             let ratio = Ratio::new(ratio).unwrap();
-            let point = Point { stiffness_penalty: StiffnessPenalty::new(beta_s).unwrap(), ratio };
+            let point = PenaltyPoint { stiffness_penalty: StiffnessPenalty::new(beta_s).unwrap(), ratio };
             let predicted = predictor.at(point, 1e-3).unwrap();
             let found = confirm(&model, scheme, point, 1e-3, Some(predicted)).unwrap();
             assert_ne!(found.agrees, Some(false), "{} {}: {found:?}", scheme.facts().name, mass.name());

@@ -44,7 +44,7 @@ impl Quantity {
 
 /// One point of one scene.
 #[derive(Debug, Clone)]
-struct Point {
+struct Problem {
     name: String,
     bars: Vec<Bar>,
     ends: (End, End),
@@ -67,8 +67,8 @@ fn unit_bar(elements: usize) -> Bar {
 }
 
 /// One bar with its right end on a wall, beta_s = 10.
-fn on_wall(name: String, bar: Bar, gamma: f64, ratio: f64) -> Point {
-    Point {
+fn on_wall(name: String, bar: Bar, gamma: f64, ratio: f64) -> Problem {
+    Problem {
         name,
         bars: vec![bar],
         ends: (End::Free, End::Wall),
@@ -81,53 +81,53 @@ fn on_wall(name: String, bar: Bar, gamma: f64, ratio: f64) -> Point {
 }
 
 /// Two bars with free outer ends, beta_s = 10.
-fn pair(name: String, bars: [Bar; 2], gamma: f64, ratio: f64) -> Point {
+fn pair(name: String, bars: [Bar; 2], gamma: f64, ratio: f64) -> Problem {
     let [first, second] = bars;
     let alone = on_wall(name, first.clone(), gamma, ratio);
-    Point { bars: vec![first, second], ends: (End::Free, End::Free), ..alone }
+    Problem { bars: vec![first, second], ends: (End::Free, End::Free), ..alone }
 }
 
-fn penalties() -> Vec<Point> {
+fn penalties() -> Vec<Problem> {
     let mut points = Vec::new();
     for beta_s in [1e-300, 1e-12, 1e12, 1e16, 1e300] {
         for r in RATIOS {
             let name = format!("beta-s-{}-r-{}", short(beta_s), short(r));
-            points.push(Point { beta_s, ..on_wall(name, unit_bar(3), 0.5, r) });
+            points.push(Problem { beta_s, ..on_wall(name, unit_bar(3), 0.5, r) });
         }
     }
     for r in [1e-12, 0.999_999_999_999_999, 1.000_000_000_000_001, 1e12, f64::INFINITY] {
         for beta_s in [1.0, 1e8] {
             let name = format!("ratio-{}-beta-s-{}", short(r), short(beta_s));
-            points.push(Point { beta_s, ..on_wall(name, unit_bar(3), 1.0, r) });
+            points.push(Problem { beta_s, ..on_wall(name, unit_bar(3), 1.0, r) });
         }
     }
     points
 }
 
-fn gammas() -> Vec<Point> {
+fn gammas() -> Vec<Problem> {
     let point =
         |gamma: f64, r: f64| on_wall(format!("gamma-{}-r-{}", short(gamma), short(r)), unit_bar(3), gamma, r);
     [0.0, 1e-16, 1.0].into_iter().flat_map(|gamma| RATIOS.map(|r| point(gamma, r))).collect()
 }
 
 /// One, two and 1e6 elements. The top of the spectrum of 1e6 elements is clustered: neighbours are 1e-12 apart.
-fn elements() -> Vec<Point> {
+fn elements() -> Vec<Problem> {
     let mut points = Vec::new();
     for n in [1, 2, MILLION] {
         let engines = if n == MILLION { SPARSE_ENGINES } else { EVERY_ENGINE };
         for r in RATIOS_AND_HALF {
             for (end, text) in [(End::Free, "free"), (End::Fixed, "fixed")] {
                 let bar = on_wall(format!("elements-{n}-{text}-r-{}", short(r)), unit_bar(n), 0.0, r);
-                points.push(Point { ends: (end, End::Wall), engines, ..bar });
+                points.push(Problem { ends: (end, End::Wall), engines, ..bar });
             }
             let bars = pair(format!("pair-elements-{n}-r-{}", short(r)), [unit_bar(n), unit_bar(n)], 0.0, r);
-            points.push(Point { engines, ..bars });
+            points.push(Problem { engines, ..bars });
         }
     }
     points
 }
 
-fn contrasts() -> Vec<Point> {
+fn contrasts() -> Vec<Problem> {
     let mut points = Vec::new();
     for factor in FACTORS {
         let contrasting = [
@@ -144,7 +144,7 @@ fn contrasts() -> Vec<Point> {
 }
 
 /// Moduli and densities whose elements are next to what is refused, and bars next to nothing in mass.
-fn ends_of_the_range() -> Vec<Point> {
+fn ends_of_the_range() -> Vec<Problem> {
     let data = [
         ("stiff-and-light", 1e145, 1e-145),
         ("soft-and-heavy", 1e-144, 1e145),
@@ -154,7 +154,7 @@ fn ends_of_the_range() -> Vec<Point> {
     let mut points = Vec::new();
     for (what, youngs_modulus, density) in data {
         let bar = Bar { youngs_modulus, density, ..unit_bar(3) };
-        points.extend(RATIOS.map(|r| Point {
+        points.extend(RATIOS.map(|r| Problem {
             quantity: Quantity::OmegaMax,
             ..on_wall(format!("{what}-r-{}", short(r)), bar.clone(), 1.0, r)
         }));
@@ -170,7 +170,7 @@ fn ends_of_the_range() -> Vec<Point> {
 }
 
 /// Bars whose frequencies are equal to the last bit, and top modes that do not move the gap.
-fn near_ties() -> Vec<Point> {
+fn near_ties() -> Vec<Problem> {
     let mut points = Vec::new();
     let next = 1.0 + f64::EPSILON;
     for r in RATIOS_AND_HALF {
@@ -183,14 +183,14 @@ fn near_ties() -> Vec<Point> {
     for r in [1e-12, 0.5] {
         for beta_s in [10.0, 1e16] {
             let name = format!("top-mode-orthogonal-r-{}-beta-s-{}", short(r), short(beta_s));
-            points.push(Point { beta_s, ..pair(name, [unit_bar(4), unit_bar(4)], 0.0, r) });
+            points.push(Problem { beta_s, ..pair(name, [unit_bar(4), unit_bar(4)], 0.0, r) });
         }
     }
     points
 }
 
 /// A steel striker on an aluminium rod in m, kg, s and in mm, tonne, s: the critical time step is one and the same.
-fn units() -> Vec<Point> {
+fn units() -> Vec<Problem> {
     let bar = |elements, length, youngs_modulus, density, area| Bar {
         length,
         elements,
@@ -205,13 +205,13 @@ fn units() -> Vec<Point> {
     for (what, bars) in [("units-si", si), ("units-mm-tonne-s", mm)] {
         for r in [1.0, f64::INFINITY] {
             let point = pair(format!("{what}-r-{}", short(r)), bars.clone(), 1.0, r);
-            points.push(Point { quantity: Quantity::CriticalStep, ..point });
+            points.push(Problem { quantity: Quantity::CriticalStep, ..point });
         }
     }
     points
 }
 
-impl Point {
+impl Problem {
     /// One case an engine.
     fn cases(self) -> Vec<Case> {
         let case = |engine: &EngineName| {
