@@ -76,7 +76,7 @@ const EXAMPLES: &str = "Examples:
   contact-impact my-bars.toml --mass lumped --scheme predictor-corrector --ratio 1,2 --stdout csv
   contact-impact bouncing-bar --mass lumped --duration 16 --every 10 --format svg,csv
   contact-impact plane-impact.toml --scheme predictor-corrector,lagrange --ratio 0.25 --fraction 0.9
-  contact-impact unlike-blocks.toml --beta-s 1e3 --every 10 --format csv,vtu";
+  contact-impact unlike-blocks.toml --beta-s 1e3 --duration 1e-4 --every 10 --format csv,vtu";
 
 fn main() -> ExitCode {
     narrate::<Options>()
