@@ -33,8 +33,8 @@ pub struct Material {
 }
 
 impl Material {
-    /// The Lamé constants (lambda, mu), Pa; `plane` is `None` in space.
-    fn lame(&self, plane: Option<Plane>) -> (f64, f64) {
+    /// The Lamé constants (lambda, mu), Pa, lambda of plane stress as above; `plane` is `None` in space.
+    pub(super) fn lame(&self, plane: Option<Plane>) -> (f64, f64) {
         let (e, nu) = (self.youngs_modulus, self.poissons_ratio);
         let mu = e / (2.0 * (1.0 + nu));
         let lambda = match plane {
@@ -184,6 +184,41 @@ impl ElementMatrices {
         lumped.iter().enumerate().for_each(|(a, m)| mass[a * n + a] += gamma * m);
         mass
     }
+}
+
+/// The mean stress of an element with its nodes at `nodes` (m) and displacements u (m, `node d + direction`), Pa: xx, yy, zz,
+/// xy, yz, xz. With plane strain zz is what holds the plane, with plane stress 0.
+///
+/// # Errors
+/// As [`ElementMatrices::new`].
+pub fn mean_stress(
+    element: &Element,
+    nodes: &[Coordinates],
+    material: &Material,
+    plane: Option<Plane>,
+    u: &[f64],
+) -> Result<[f64; 6], Refusal> {
+    let d = element.dimension;
+    let (lambda, mu) = material.lame(plane);
+    let (mut gradient, mut volume) = ([[0.0; 3]; 3], 0.0);
+    for sample in samples(element, nodes)? {
+        volume += sample.volume;
+        for (a, g) in sample.gradients[..nodes.len()].iter().enumerate() {
+            for i in 0..d {
+                (0..d).for_each(|j| gradient[i][j] += sample.volume * u[a * d + i] * g[j]);
+            }
+        }
+    }
+    let strain = |i: usize, j: usize| 0.5 * (gradient[i][j] + gradient[j][i]) / volume;
+    let trace: f64 = (0..d).map(|i| strain(i, i)).sum();
+    let across = match plane {
+        Some(Plane::Stress) => 0.0,
+        Some(Plane::Strain) => lambda * trace,
+        None => lambda * trace + 2.0 * mu * strain(2, 2),
+    };
+    let along = |i: usize| lambda * trace + 2.0 * mu * strain(i, i);
+    let shear = |i: usize, j: usize| 2.0 * mu * strain(i, j);
+    Ok([along(0), along(1), across, shear(0, 1), shear(1, 2), shear(0, 2)])
 }
 
 /// Adds one quadrature point to the blocks (a, b) with a <= b.

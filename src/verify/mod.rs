@@ -64,11 +64,13 @@
 
 mod any;
 mod lattice;
+mod linear;
 mod prediction;
 mod slowest;
 mod trial;
 
 pub use any::{Seconds, check_any, confirm_any, limit_of_any, points_of, predict_any};
+pub use linear::{Basis, LinearStep, STEPPED_TO, linear_step};
 pub use prediction::{Confirmation, Prediction, Predictor, confirm};
 pub use trial::LATE_RISE;
 

@@ -31,6 +31,10 @@
 //! with C <= 1 what limits closed contact limits the scheme. In f64 it holds to rounding (measured on every run that is made,
 //! at the tolerance of its row).
 //!
+//! # Meshes and matrices
+//! They are run in the impact of their scene alone, and E_in is the kinetic energy at the start: how much a load puts into a
+//! mesh is not known before. A gain counts from the mean energy of an element, or of an unknown where there are no elements.
+//!
 //! # Why central differences do gain
 //! The mass m joins the bar with the velocity it is hit with, energy m (Z'v)^2/2 that nobody has paid for, and leaves with
 //! another one. Between closing and opening the bars gain the difference; m = s/(r omega_e^2) grows with beta_s and 1/r.
@@ -38,10 +42,10 @@
 //! side of the switch: small as long as the contact stays closed for many steps.
 
 use crate::error::Refusal;
-use crate::impact::{Run, potential_at_start};
-use crate::pencil::Pencil;
+use crate::impact::{Passage, Run, potential_at_start};
+use crate::pencil::{Gap, Pencil};
 use crate::scene::{Bar, ContactSite, End, Impact, Scene};
-use crate::schemes::Scheme;
+use crate::schemes::{Motion, Scheme};
 use crate::stability::Model;
 
 use super::{PenaltyPoint, Predictor};
@@ -168,11 +172,39 @@ pub fn energy_put_in(run: &Run, load: Load) -> Result<f64, Refusal> {
 /// # Errors
 /// As [`energy_put_in`].
 pub fn energy_gain(run: &Run, load: Load) -> Result<Gain, Refusal> {
-    let supplied = energy_put_in(run, load)?;
-    let mut motion = run.prepare(false)?;
+    gain_of(run.prepare(false)?, run.steps(), energy_put_in(run, load)?)
+}
+
+/// E_in of a passage, J.
+///
+/// # Errors
+/// A load, and bodies that are at rest.
+pub fn passage_energy(passage: &Passage) -> Result<f64, Refusal> {
+    if !passage.encounter().load().is_empty() {
+        let allowed =
+            "none with opening contact: the energy that a load puts into a mesh is not known before";
+        return Err(Refusal::new("scene, impact", "a gravity or load", allowed));
+    }
+    let supplied = passage.prepare(false)?.energy().stored();
+    if supplied.is_normal() && supplied > 0.0 {
+        return Ok(supplied);
+    }
+    Err(Refusal::new("scene, impact", format!("{supplied:e} J put in"), "bodies that move towards a contact"))
+}
+
+/// The energy that a passage gains from its contacts.
+///
+/// # Errors
+/// As [`passage_energy`].
+pub fn passage_gain(passage: &Passage) -> Result<Gain, Refusal> {
+    gain_of(passage.prepare(false)?, passage.steps(), passage_energy(passage)?)
+}
+
+/// What a motion gains in so many steps, over the energy put in.
+fn gain_of(mut motion: Box<dyn Motion>, steps: u64, supplied: f64) -> Result<Gain, Refusal> {
     let start = motion.energy();
     let mut gained: f64 = 0.0;
-    for _ in 0..run.steps() {
+    for _ in 0..steps {
         motion.step();
         motion.synchronise();
         let now = -motion.state().balance_work / supplied;
@@ -197,6 +229,15 @@ pub fn energy_gain(run: &Run, load: Load) -> Result<Gain, Refusal> {
 /// The gain from which on it counts: the mean energy of an element over the energy put in.
 pub fn least_gain(model: &Model) -> f64 {
     1.0 / model.scene().elements() as f64
+}
+
+/// Whether the premises hold under which a scheme is proven to gain nothing below its limit, in exact arithmetic: one with
+/// [`Facts::gains_nothing`](crate::schemes::Facts::gains_nothing), and contacts that are open at the start and one step before it.
+pub fn is_proven_passage(passage: &Passage) -> bool {
+    let dt = passage.time_step();
+    let velocity = passage.encounter().velocity();
+    let open = |gap: &Gap| gap.initial <= 0.0 && gap.initial <= dt * gap.column.dot(velocity);
+    passage.scheme().facts().gains_nothing && passage.encounter().pencil().gaps().iter().all(open)
 }
 
 /// Whether the premises hold under which a scheme with [`Facts::gains_nothing`](crate::schemes::Facts::gains_nothing) is proven,

@@ -3,7 +3,7 @@
 
 use super::maps::{number, scene_name};
 use crate::record::{HistoryRow, Number, StressRow};
-use bipenalty::schemes::{ContactSearch, Facts};
+use bipenalty::schemes::{Facts, SchemeName};
 use figure::{Axis, Figure, Layer, Panel, Scale, Source, Width, literal};
 
 /// The records of one run, as the charts need them.
@@ -33,12 +33,18 @@ pub enum Quantity {
     Force,
     /// g/h over time while it is a penetration, logarithmic.
     Gap,
+    /// The largest g of all contacts over time while it is a penetration, m, logarithmic.
+    LargestGap,
     /// Kinetic and strain energy over time, J.
     Energy,
 }
 
 impl Quantity {
-    /// Every quantity with the name of its files.
+    /// Those of impacts of matrices and meshes.
+    pub const OF_MANY: [(&'static str, Self); 3] =
+        [("force", Self::Force), ("gap", Self::LargestGap), ("energy", Self::Energy)];
+
+    /// Those of bars, with the names of their files.
     pub const ALL: [(&'static str, Self); 3] =
         [("force", Self::Force), ("gap", Self::Gap), ("energy", Self::Energy)];
 
@@ -53,6 +59,7 @@ impl Quantity {
         match self {
             Self::Force => Axis::linear(format!("contact force *λ*{index} [N]")),
             Self::Gap => Axis::log(format!("penetration *g*{index} / *h*")),
+            Self::LargestGap => Axis::log("largest penetration *g* [m]"),
             Self::Energy => Axis::linear("kinetic + strain energy [J]"),
         }
     }
@@ -62,6 +69,7 @@ impl Quantity {
         match self {
             Self::Force => Some("contact_force"),
             Self::Gap => Some("relative_gap"),
+            Self::LargestGap => Some("largest_gap"),
             Self::Energy => None,
         }
     }
@@ -70,8 +78,8 @@ impl Quantity {
     fn value(self, row: &HistoryRow) -> f64 {
         match self {
             Self::Force => row.contact_force.0,
-            Self::Gap if row.relative_gap.0 > 0.0 => row.relative_gap.0,
-            Self::Gap => f64::NAN,
+            Self::Gap | Self::LargestGap if row.relative_gap.0 > 0.0 => row.relative_gap.0,
+            Self::Gap | Self::LargestGap => f64::NAN,
             Self::Energy => row.kinetic_energy.0 + row.strain_energy.0,
         }
     }
@@ -278,13 +286,16 @@ fn turns(points: &[(f64, f64)], scale: Scale, part: impl Fn(f64) -> usize, parts
     turns
 }
 
-/// A scheme that looks for contact only at the start of a step chatters on a stiff one: it stays grey and thin behind the others, and
-/// the one that is proven to gain nothing leads.
+/// Central differences chatter on a stiff contact: they stay grey and thin behind the others. The schemes of the paper lead; each of
+/// the others has a style of its own.
 fn style(scheme: Facts) -> usize {
-    match (scheme.search, scheme.gains_nothing) {
-        (ContactSearch::StartOfStep, _) => LIGHT_GREY,
-        (ContactSearch::Predictor, true) => 0,
-        (ContactSearch::Predictor, false) => 1,
+    let place = SchemeName::ALL.iter().position(|known| known.name() == scheme.name);
+    match place {
+        Some(0) => LIGHT_GREY,
+        // Predictor-corrector and Park are the second and the third.
+        Some(place) => place - 1,
+        None if scheme.gains_nothing => 0,
+        None => LIGHT_GREY + 1,
     }
 }
 
