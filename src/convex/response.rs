@@ -231,7 +231,7 @@ impl<'a> Solver<'a> {
         let mut square = dot(&r, &steep);
         let goal = square * reduce * reduce;
         for _ in 0..MOST_ITERATIONS {
-            if !(square > goal) {
+            if square.is_nan() || square <= goal {
                 break;
             }
             self.multiply(&direction, &mut image, &mut part);
