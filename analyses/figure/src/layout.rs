@@ -220,6 +220,8 @@ impl Plan<'_> {
             // The last tick label may reach beyond the frame by half its width.
             let reach = if self.labelled[index].x { widest(&x_ticks, self.fonts)? / 2.0 } else { 0.0 };
             margins.right = margins.right.max(reach);
+            // So may the first, towards the last one of the panel on the left.
+            margins.left[column] = margins.left[column].max(BARE_LEFT + reach);
             let head = match &panel.title {
                 Some(_) => text_height(TITLE_SIZE) + self.title_rise(index, TITLE_SIZE, size)? - 2.0 * GAP,
                 None if self.figure.tags => {
