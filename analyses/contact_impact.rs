@@ -1,26 +1,29 @@
 //! What the schemes make of an impact: contact force, penetration, stress and energy beside the exact solution.
 //!
 //! Every scene is stepped by the central difference, the stabilised predictor-corrector and the stabilised Park scheme
-//! with the bi-penalty contact (paper, Sec. 4.3 to 5.2), for every mass matrix and stiffness penalty, at a step of C times
-//! the contact-free critical one. The exact solutions are d'Alembert's.
+//! with the bi-penalty contact (paper, Sec. 4.3 to 5.2), or by others that are asked for, for every mass matrix and stiffness
+//! penalty, at a step of C times the contact-free critical one, of a share of the limit of the scheme, or in seconds. The
+//! exact solutions are d'Alembert's: of bars, and of boxes that cannot move sideways.
 
 use std::process::ExitCode;
+use std::sync::Arc;
 
-use analyses::charts::impacts::{self, Quantity};
 use analyses::cli::{
-    Analysis, FinishedRun, Output, OutputOptions, PlannedRun, Progress, SceneOptions, Verdict, check_memory,
-    check_stems, checked_grid, exact_energy, exact_force, exact_stress, execute, narrate, print_impacts,
-    require_memory, suffix,
+    Analysis, FinishedRun, Format, Kept, Output, OutputOptions, PlannedPassage, PlannedRun, Progress,
+    SceneOptions, StepOptions, Verdict, check_memory, check_passages, check_stems, checked_grid,
+    draw_impacts, draw_passages, execute, execute_passages, narrate, print_impacts, require_memory,
+    write_impacts,
 };
 use analyses::error::{Refusal, Result};
-use analyses::record::{HistoryRow, ImpactRow};
-use bipenalty::impact::{Ending, Exact, Recording, Run};
+use analyses::record::ImpactRow;
+use bipenalty::impact::{Encounter, Ending, Exact, Recording, Run};
 use bipenalty::penalty::{Ratio, StiffnessPenalty};
-use bipenalty::schemes::SchemeName;
-use bipenalty::stability::{Grid, Model, Sweep, check_has_contact};
+use bipenalty::schemes::{Scheme, SchemeName};
+use bipenalty::stability::{AnyModel, AnyScene, Grid, Model, Sweep, check_has_contact};
+use bipenalty::verify::PenaltyPoint;
 use clap::Parser;
 
-/// Contact-impact of bars in time: three schemes, exact solutions, errors.
+/// Contact-impact in time, of bars, meshes and matrices: schemes, exact solutions, errors.
 // The schemes know no diagonalised mass penalty of a pair; on a wall both forms are one.
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXAMPLES, mut_arg("penalty_mass", |form| form.hide(true)))]
@@ -33,7 +36,8 @@ struct Options {
     /// Penalty ratios r, in the same forms; inf is the pure penalty method
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "1")]
     ratio: Sweep,
-    /// Schemes: central-difference, predictor-corrector, park
+    /// Schemes: central-difference, predictor-corrector, park, buffered, lagrange, moreau-jean, paoli-schatzman,
+    /// mass-redistribution
     #[arg(
         long,
         value_name = "LIST",
@@ -41,9 +45,8 @@ struct Options {
         default_value = "central-difference,predictor-corrector,park"
     )]
     scheme: Vec<SchemeName>,
-    /// dt/dt_cr of the contact-free scene
-    #[arg(long, value_name = "C", allow_negative_numbers = true, default_value_t = 0.5)]
-    relative_courant: f64,
+    #[command(flatten)]
+    step: StepOptions,
     /// Averaging of the Park scheme, in [0, 1]
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 0.5)]
     theta: f64,
@@ -57,6 +60,9 @@ struct Options {
     /// Keep every N-th step only, for long runs; the errors are those of every step
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1)]
     every: u64,
+    /// With --format vtu: a frame of a mesh every N-th kept step [default: some 50 frames]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    frame_every: Option<u64>,
     #[command(flatten)]
     output: OutputOptions,
 }
@@ -68,7 +74,9 @@ const EXAMPLES: &str = "Examples:
   contact-impact                                  the impacts of the paper
   contact-impact hunek --mass lumped --scheme park --beta-s 1e8
   contact-impact my-bars.toml --mass lumped --scheme predictor-corrector --ratio 1,2 --stdout csv
-  contact-impact bouncing-bar --mass lumped --duration 16 --every 10 --format svg,csv";
+  contact-impact bouncing-bar --mass lumped --duration 16 --every 10 --format svg,csv
+  contact-impact plane-impact.toml --scheme predictor-corrector,lagrange --ratio 0.25 --fraction 0.9
+  contact-impact unlike-blocks.toml --beta-s 1e3 --duration 1e-4 --every 10 --format csv,vtu";
 
 fn main() -> ExitCode {
     narrate::<Options>()
@@ -76,7 +84,7 @@ fn main() -> ExitCode {
 
 impl Analysis for Options {
     const NAME: &'static str = "contact-impact";
-    type Plan = Vec<Vec<PlannedRun>>;
+    type Plan = Vec<Group>;
     type Found = Found;
 
     fn output(&self) -> &OutputOptions {
@@ -87,26 +95,31 @@ impl Analysis for Options {
         plan(self)
     }
 
-    fn explain(&self, figures: &Self::Plan) -> Result<String> {
+    fn explain(&self, groups: &Self::Plan) -> Result<String> {
         let steps = |planned: &PlannedRun| format!("{}: {} steps\n", planned.stem(), planned.run.steps());
+        let text = |group: &Group| match group {
+            Group::Bars(runs) => runs.iter().map(steps).collect::<String>(),
+            Group::Mesh(runs) => runs.iter().map(|run| run.explain(kept(self, run))).collect(),
+        };
         let left_out =
             "left out: eigenvectors; mass solves where the mass is lumped; exact solutions a scene has not\n";
-        Ok(figures.iter().flatten().map(steps).collect::<String>() + left_out)
+        Ok(groups.iter().map(text).collect::<String>() + left_out)
     }
 
-    fn compute(&self, figures: Self::Plan, output: &Output) -> Result<(Found, usize)> {
-        let steps = figures.iter().flatten().map(|planned| planned.run.steps() as usize).sum();
+    fn compute(&self, groups: Self::Plan, output: &Output) -> Result<(Found, usize)> {
+        let steps = groups.iter().map(Group::steps).sum::<u64>() as usize;
         let progress = Progress::new(steps, "steps", self.output.quiet);
         let mut found = Found { rows: Vec::new(), complete: true };
         let mut files = 0;
-        for runs in &figures {
-            progress.doing(runs[0].run.model().scene().name());
-            let finished = execute(runs, &recording(self, &runs[0].run), &progress)?;
-            found.rows.extend(finished.iter().map(FinishedRun::row));
-            files += write(&finished, output)? + draw_all(&finished, output)?;
-            found.complete &= finished.len() == runs.len()
-                && finished.iter().all(|run| run.history.ending == Ending::Finished);
-            if finished.iter().any(|run| matches!(run.history.ending, Ending::Stopped { .. })) {
+        for group in &groups {
+            progress.doing(group.scene());
+            let (written, endings) = match group {
+                Group::Bars(runs) => bars(self, runs, output, &progress, &mut found.rows)?,
+                Group::Mesh(runs) => meshes(self, runs, output, &progress, &mut found.rows)?,
+            };
+            files += written;
+            found.complete &= endings.len() == group.len() && endings.iter().all(|e| e.is_finished());
+            if endings.iter().any(|ending| matches!(ending, Ending::Stopped { .. })) {
                 break;
             }
         }
@@ -127,6 +140,82 @@ impl Analysis for Options {
     }
 }
 
+/// The runs of every figure: one scene, one mass matrix, one ratio, all penalties and schemes.
+enum Group {
+    Bars(Vec<PlannedRun>),
+    Mesh(Vec<PlannedPassage>),
+}
+
+impl Group {
+    fn len(&self) -> usize {
+        match self {
+            Self::Bars(runs) => runs.len(),
+            Self::Mesh(runs) => runs.len(),
+        }
+    }
+
+    fn steps(&self) -> u64 {
+        match self {
+            Self::Bars(runs) => runs.iter().map(|run| run.run.steps()).sum(),
+            Self::Mesh(runs) => runs.iter().map(|run| run.passage.steps()).sum(),
+        }
+    }
+
+    fn scene(&self) -> &str {
+        match self {
+            Self::Bars(runs) => runs.first().map_or("", |run| run.run.model().scene().name()),
+            Self::Mesh(runs) => runs.first().map_or("", |run| run.model.name()),
+        }
+    }
+
+    fn stems(&self) -> Vec<String> {
+        match self {
+            Self::Bars(runs) => runs.iter().map(PlannedRun::stem).collect(),
+            Self::Mesh(runs) => runs.iter().map(PlannedPassage::stem).collect(),
+        }
+    }
+}
+
+/// Steps the bars of a group, writes and draws them; the number of files, and how each run ended.
+fn bars(
+    options: &Options,
+    runs: &[PlannedRun],
+    output: &Output,
+    progress: &Progress,
+    rows: &mut Vec<ImpactRow>,
+) -> Result<(usize, Vec<Ending>)> {
+    let finished = execute(runs, &recording(options, &runs[0].run), progress)?;
+    rows.extend(finished.iter().map(FinishedRun::row));
+    let files = write_impacts(&finished, output)? + draw_impacts(&finished, output)?;
+    Ok((files, finished.iter().map(|run| run.history.ending).collect()))
+}
+
+/// The same of matrices or meshes.
+fn meshes(
+    options: &Options,
+    runs: &[PlannedPassage],
+    output: &Output,
+    progress: &Progress,
+    rows: &mut Vec<ImpactRow>,
+) -> Result<(usize, Vec<Ending>)> {
+    let finished = execute_passages(runs, kept(options, &runs[0]), output, progress)?;
+    rows.extend(finished.iter().map(|run| run.row.clone()));
+    let mut files = finished.iter().map(|run| run.files).sum();
+    if let Some(first) = finished.first() {
+        let stem = format!("{}-{}-places", first.planned.model.name(), first.planned.mass());
+        files += output.write_rows(&stem, &first.places())?.len();
+    }
+    files += draw_passages(&finished, output)?;
+    Ok((files, finished.iter().map(|run| run.ending).collect()))
+}
+
+/// Which states of a run are kept.
+fn kept(options: &Options, run: &PlannedPassage) -> Kept {
+    const FRAMES: u64 = 50;
+    let frame_every = options.frame_every.unwrap_or(run.passage.rows(options.every).div_ceil(FRAMES));
+    Kept { every: options.every, frame_every }
+}
+
 /// What the runs have left.
 struct Found {
     rows: Vec<ImpactRow>,
@@ -134,42 +223,110 @@ struct Found {
     complete: bool,
 }
 
-/// The runs of every figure: one scene, one mass matrix, one ratio, all penalties and schemes.
-fn plan(options: &Options) -> Result<Vec<Vec<PlannedRun>>> {
+fn plan(options: &Options) -> Result<Vec<Group>> {
     let mut asked = options.scene.clone();
     if asked.scenes.is_empty() {
         asked.scenes = ["signorini", "hunek", "bouncing-bar"].map(str::to_owned).to_vec();
     }
+    if options.frame_every == Some(0) {
+        return Err(Refusal::new("--frame-every", 0, "at least 1").into());
+    }
     let grid = checked_grid(&options.beta_s, &options.ratio)?;
     require_memory(&grid, BYTES_PER_RUN * options.scheme.len() as u64)?;
-    let mut figures = Vec::new();
-    for model in asked.bars()?.iter().flat_map(|scene| asked.bar_models(scene)) {
-        check_has_contact(&model)?;
-        model.check_grid(&grid)?;
-        check_form(&model, &grid)?;
-        for ratio in &grid.ratios {
-            let mut runs = Vec::new();
-            for beta_s in &grid.stiffness_penalties {
-                for scheme in &options.scheme {
-                    let scheme =
-                        scheme.with_theta(options.theta).map_err(|refusal| by_option(refusal, options))?;
-                    let run = Run::new(model.clone(), scheme, *beta_s, *ratio)?;
-                    let run = configure(run, options).map_err(|refusal| by_option(refusal, options))?;
-                    runs.push(PlannedRun { run, beta_s: *beta_s, ratio: *ratio });
-                }
-            }
-            figures.push(runs);
+    let schemes: Vec<Arc<dyn Scheme>> = options
+        .scheme
+        .iter()
+        .map(|scheme| scheme.with_theta(options.theta).map_err(|refusal| by_option(refusal, options)))
+        .collect::<Result<_, _>>()?;
+    let mut groups = Vec::new();
+    for scene in asked.scenes()? {
+        for model in asked.models(&scene)? {
+            groups.extend(groups_of(options, &scene, &model, &schemes, &grid)?);
         }
     }
-    let all: Vec<&PlannedRun> = figures.iter().flatten().collect();
-    check_memory(&all, |run| recording(options, run), options.output.stdout.is_none())?;
-    check_stems(&options.output, figures.iter().flatten().map(PlannedRun::stem))?;
-    Ok(figures)
+    check_all(options, &groups)?;
+    Ok(groups)
 }
 
-/// The run with the steps, the time and the recording that were asked for.
-fn configure(run: Run, options: &Options) -> Result<Run, Refusal> {
-    let run = run.with_relative_courant(options.relative_courant)?;
+/// The runs of one model, a group for each ratio.
+fn groups_of(
+    options: &Options,
+    scene: &AnyScene,
+    model: &Arc<AnyModel>,
+    schemes: &[Arc<dyn Scheme>],
+    grid: &Grid,
+) -> Result<Vec<Group>> {
+    model.check_grid(grid)?;
+    match &**model {
+        AnyModel::Bars(bars) => {
+            check_has_contact(bars)?;
+            check_form(bars, grid)?;
+            if options.output.format.contains(&Format::Vtu) {
+                let value = format!("vtu with scene {}", model.name());
+                return Err(Refusal::new("--format", value, "a scene of [[body]], which has a mesh").into());
+            }
+        }
+        AnyModel::Mesh(mesh) => {
+            if mesh.pencil().contacts().is_empty() {
+                let place = format!("scene {}", model.name());
+                return Err(Refusal::new(place, "no contact", "at least one").into());
+            }
+        }
+    }
+    let encounter = match &**model {
+        AnyModel::Bars(_) => None,
+        AnyModel::Mesh(_) => Some(Encounter::of_scene(scene, model)?),
+    };
+    let mut groups = Vec::new();
+    for ratio in &grid.ratios {
+        let (mut runs, mut passages) = (Vec::new(), Vec::new());
+        for beta_s in &grid.stiffness_penalties {
+            let point = PenaltyPoint { stiffness_penalty: *beta_s, ratio: *ratio };
+            for scheme in schemes {
+                match (&**model, &encounter) {
+                    (AnyModel::Bars(bars), _) => {
+                        let run = Run::new(bars.clone(), scheme.clone(), *beta_s, *ratio)?;
+                        let courant = options.step.relative(model, run.critical_step(), scheme, point)?;
+                        let run = configure(run, courant, options).map_err(|r| by_option(r, options))?;
+                        runs.push(PlannedRun { run, beta_s: *beta_s, ratio: *ratio });
+                    }
+                    (AnyModel::Mesh(_), Some(encounter)) => {
+                        let paced = (&options.step, options.duration);
+                        let run = PlannedPassage::new((scene, model), encounter, scheme, point, paced);
+                        passages.push(run?);
+                    }
+                    (AnyModel::Mesh(_), None) => (),
+                }
+            }
+        }
+        groups.push(if passages.is_empty() { Group::Bars(runs) } else { Group::Mesh(passages) });
+    }
+    Ok(groups)
+}
+
+/// Refuses what the memory does not hold, and files of one name.
+fn check_all(options: &Options, groups: &[Group]) -> Result<()> {
+    let (mut bars, mut meshes) = (Vec::new(), Vec::new());
+    for group in groups {
+        match group {
+            Group::Bars(runs) => bars.extend(runs),
+            Group::Mesh(runs) => meshes.extend(runs),
+        }
+    }
+    if options.every == 0 {
+        return Err(Refusal::new("--every", 0, "at least 1").into());
+    }
+    if !bars.is_empty() {
+        check_memory(&bars, |run| recording(options, run), options.output.stdout.is_none())?;
+    }
+    check_passages(&meshes, options.every)?;
+    check_stems(&options.output, groups.iter().flat_map(Group::stems))?;
+    Ok(())
+}
+
+/// The run with the step, the time and the recording that were asked for.
+fn configure(run: Run, relative_courant: f64, options: &Options) -> Result<Run, Refusal> {
+    let run = run.with_relative_courant(relative_courant)?;
     let run = match options.duration {
         Some(duration) => run.with_duration(duration)?,
         None => run,
@@ -215,56 +372,4 @@ fn stress_time(run: &Run) -> f64 {
     let exact = Exact::of(run.model().scene(), run.duration());
     let first = exact.and_then(|exact| exact.contact_intervals().first().copied());
     first.map_or(run.duration() / 6.0, |(start, end)| start + 0.25 * (end - start))
-}
-
-/// Writes the records of the runs of one figure; the number of files.
-fn write(finished: &[FinishedRun], output: &Output) -> Result<usize> {
-    let mut files = 0;
-    for run in finished {
-        for contact in 0..run.history.contacts {
-            files +=
-                output.write_rows(&run.history_stem(contact), &HistoryRow::of(&run.history, contact))?.len();
-        }
-        files += output.write_rows(&run.stress_stem(), &run.stress())?.len();
-    }
-    Ok(files)
-}
-
-/// Draws the runs of one figure, contact by contact. What has blown up would hide everything else; its row says when.
-fn draw_all(finished: &[FinishedRun], output: &Output) -> Result<usize> {
-    let drawable = |run: &&FinishedRun| !matches!(run.history.ending, Ending::BlewUp { .. });
-    let drawable: Vec<&FinishedRun> = finished.iter().filter(drawable).collect();
-    let Some(first) = drawable.first().filter(|_| output.wants_figures()) else { return Ok(0) };
-    (0..first.history.contacts).map(|contact| draw(&first.planned, &drawable, contact, output)).sum()
-}
-
-/// Force and gap of one contact; with the first also what belongs to the bars.
-fn draw(planned: &PlannedRun, runs: &[&FinishedRun], contact: usize, output: &Output) -> Result<usize> {
-    let (run, ratio) = (&planned.run, planned.ratio.get());
-    let (scene, mass) = (run.model().scene().name(), run.model().mass().name());
-    let ratio = if ratio == 1.0 { String::new() } else { format!("-r{ratio}") };
-    let records: Vec<_> = runs.iter().map(|run| run.record(contact)).collect();
-    let summary: Vec<ImpactRow> = runs.iter().map(|run| run.row()).collect();
-    let number = (run.model().scales().len() > 1).then_some(contact + 1);
-    let histories: Vec<String> = runs.iter().map(|run| run.history_stem(contact)).collect();
-    let mut files = 0;
-    for (name, quantity) in Quantity::ALL.into_iter().filter(|(_, q)| contact == 0 || q.is_of_contact()) {
-        let exact = match quantity {
-            Quantity::Force => exact_force(run),
-            Quantity::Energy => exact_energy(run),
-            Quantity::Gap => Vec::new(),
-        };
-        let figure = impacts::histories(scene, &mass, &records, (quantity, number), &exact);
-        let stem = format!("{scene}-{name}-{mass}{ratio}{}", suffix(contact));
-        files += output.write_figure_of(&stem, &figure, &histories, Some(&summary))?.len();
-    }
-    if contact == 0 {
-        let time = records.iter().flat_map(|record| &record.stress).map(|row| row.time.0).next();
-        let exact = time.map_or_else(Vec::new, |time| exact_stress(run, time));
-        let figure = impacts::stresses(scene, &mass, &records, &exact);
-        let stem = format!("{scene}-stress-{mass}{ratio}");
-        let stresses: Vec<String> = runs.iter().map(|run| run.stress_stem()).collect();
-        files += output.write_figure_of(&stem, &figure, &stresses, Some(&summary))?.len();
-    }
-    Ok(files)
 }

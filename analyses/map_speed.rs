@@ -17,6 +17,7 @@ use bipenalty::scene::{Bar, End, Scene};
 use bipenalty::spectrum::{Engine, Spectrum};
 use bipenalty::stability::{EngineName, Grid, Model, Sweep, map};
 use clap::Parser;
+use precision::{median, seconds};
 
 /// Cost of a point of a stability map: the engines, LAPACK and scipy beside each other.
 #[derive(Debug, Parser)]
@@ -87,27 +88,19 @@ fn run(options: &Options) -> Result<Verdict> {
 }
 
 /// The middle of the times of repeated runs: at least 3, at most 25, for about half a second.
-fn median(mut run: impl FnMut()) -> f64 {
+fn typical(mut run: impl FnMut()) -> f64 {
     run();
     let begun = Instant::now();
     let mut times = Vec::new();
     while times.len() < 3 || (times.len() < 25 && begun.elapsed() < Duration::from_millis(500)) {
-        let start = Instant::now();
-        run();
-        times.push(start.elapsed().as_secs_f64());
+        times.push(seconds(&mut run));
     }
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
-}
-
-fn bar(elements: usize, area: f64) -> Bar {
-    let length = elements as f64;
-    Bar { length, elements, youngs_modulus: 1.0, density: 1.0, area, velocity: 0.0 }
+    median(&mut times)
 }
 
 /// One bar of unit elements, free on the left, on a wall on the right.
 fn bar_on_wall(elements: usize, mass: MassMatrix) -> Result<Model> {
-    let scene = Scene::new("signorini", End::Free, vec![bar(elements, 1.0)], End::Wall, None)?;
+    let scene = Scene::new("signorini", End::Free, vec![Bar::unit(elements)], End::Wall, None)?;
     Ok(Model::new(scene, mass, PenaltyMass::Consistent))
 }
 
@@ -128,7 +121,7 @@ fn per_point(model: &Model, grid: &Grid, value: impl Fn(&Penalty) -> f64) -> f64
         let sum = over(grid, |beta_s, ratio| value(&model.penalty(beta_s, ratio)));
         std::hint::black_box(sum);
     };
-    median(&mut pass) / grid.len() as f64
+    typical(&mut pass) / grid.len() as f64
 }
 
 /// l_max with its certificate.
@@ -171,7 +164,7 @@ fn certified_maps(grid: &Grid, table: &mut Table) -> Result<f64> {
     for mass in MASSES {
         let model = bar_on_wall(100, mass)?;
         let limit = Spectrum(Box::new(model.closed_form()));
-        let seconds = median(|| drop(std::hint::black_box(map(&model, grid, &limit, &|_| ()))));
+        let seconds = typical(|| drop(std::hint::black_box(map(&model, grid, &limit, &|_| ()))));
         let problem = format!("map, 100 elements, {}, all cores", mass.name());
         table.add("closed-form certified", &problem, seconds / grid.len() as f64);
         total += seconds;
@@ -181,7 +174,7 @@ fn certified_maps(grid: &Grid, table: &mut Table) -> Result<f64> {
 
 /// Two unequal bars of 1e4 elements, certified, on all cores; returns the slower of the two engines in seconds.
 fn unequal_bars(grid: &Grid, table: &mut Table) -> Result<f64> {
-    let bars = vec![bar(10_000, 1.0), Bar { youngs_modulus: 2.0, ..bar(10_000, 3.0) }];
+    let bars = vec![Bar::unit(10_000), Bar { youngs_modulus: 2.0, area: 3.0, ..Bar::unit(10_000) }];
     let scene = Scene::new("unequal", End::Free, bars, End::Free, None)?;
     let model = Model::new(scene, MassMatrix::CONSISTENT, PenaltyMass::Consistent);
     let pencil = model.pencil();
@@ -189,7 +182,7 @@ fn unequal_bars(grid: &Grid, table: &mut Table) -> Result<f64> {
     for name in [EngineName::ClosedForm, EngineName::Secular] {
         // The secular function is compressed anew in every run: the time is that of a map from scratch.
         model.engine(name, &pencil)?;
-        let seconds = median(|| {
+        let seconds = typical(|| {
             let limit = model.engine(name, &pencil).map(Spectrum);
             drop(std::hint::black_box(limit.map(|limit| map(&model, grid, &limit, &|_| ()))));
         });
@@ -227,9 +220,9 @@ mod lapack {
         let (k, m) = gap_matrices(&model.pencil(), &penalty);
         let (band_k, band_m) = (BandMatrix::of(&k), BandMatrix::of(&m));
         let problem = "100 elements, consistent";
-        let full = median(|| repeat(20, || dsygvx_largest(k.clone(), m.clone()))) / 20.0;
+        let full = typical(|| repeat(20, || dsygvx_largest(k.clone(), m.clone()))) / 20.0;
         table.add("LAPACK dsygvx, largest only", problem, full);
-        let banded = median(|| repeat(200, || dsbgvx_largest(band_k.clone(), band_m.clone()))) / 200.0;
+        let banded = typical(|| repeat(200, || dsbgvx_largest(band_k.clone(), band_m.clone()))) / 200.0;
         table.add("LAPACK dsbgvx, largest only", problem, banded);
         Ok(())
     }

@@ -191,9 +191,9 @@ fn explain(model: &AnyModel) -> String {
     )
 }
 
-/// Whether the limit is derived for the model: Park's is for bars.
+/// Whether the limit is found for the model: Park's of a mesh with many contacts is not. Bars say themselves what they refuse.
 fn serves(model: &AnyModel, limit: Limit) -> bool {
-    matches!(model, AnyModel::Bars(_)) || limit != Limit::Park
+    matches!(model, AnyModel::Bars(_)) || LimitOptions::of(limit).check(model).is_ok()
 }
 
 fn stem(kind: &str, model: &AnyModel) -> String {

@@ -162,7 +162,7 @@ fn compute(options: &Options, jobs: &[Job], output: &Output) -> Result<(Found, u
     jobs.iter().try_for_each(Job::check)?;
     let (mut found, mut files) = (Found::default(), 0);
     if let LimitOf::Explicit(scheme) = options.limit.asking()?.limit {
-        found.answers.push(step_and_cost(&*scheme));
+        found.answers.push(step_and_cost(&scheme));
     }
     let progress = Progress::new(jobs.iter().map(Job::points).sum(), "points", options.output.quiet);
     for job in jobs {

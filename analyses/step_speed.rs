@@ -6,7 +6,6 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
-use std::time::Instant;
 
 use analyses::cli::{Verdict, arguments, finish};
 use analyses::error::Result;
@@ -17,6 +16,7 @@ use bipenalty::scene::{Bar, End, Scene};
 use bipenalty::schemes::{CentralDifference, ContactRule, Motion, Scheme, System};
 use bipenalty::stability::Model;
 use clap::Parser;
+use precision::{median, seconds};
 
 const NODES: usize = 1000;
 const STEPS: u64 = 50_000;
@@ -98,23 +98,9 @@ fn output(command: &mut Command) -> Option<f64> {
     String::from_utf8_lossy(&done.stdout).split_whitespace().next()?.parse().ok()
 }
 
-fn median(rates: &mut [f64]) -> f64 {
-    rates.sort_unstable_by(f64::total_cmp);
-    rates[rates.len() / 2]
-}
-
 /// A free bar of unit elements in unsteady motion.
 fn prepare(mass: MassMatrix, time_step: f64) -> Result<Box<dyn Motion>> {
-    let elements = NODES - 1;
-    let bar = Bar {
-        length: elements as f64,
-        elements,
-        youngs_modulus: 1.0,
-        density: 1.0,
-        area: 1.0,
-        velocity: 0.0,
-    };
-    let scene = Scene::new("bar", End::Free, vec![bar], End::Free, None)?;
+    let scene = Scene::new("bar", End::Free, vec![Bar::unit(NODES - 1)], End::Free, None)?;
     let pencil = Model::new(scene, mass, PenaltyMass::Consistent).pencil();
     let system = System {
         pencil: &pencil,
@@ -132,7 +118,5 @@ fn prepare(mass: MassMatrix, time_step: f64) -> Result<Box<dyn Motion>> {
 }
 
 fn rate(motion: &mut dyn Motion, steps: u64) -> f64 {
-    let start = Instant::now();
-    (0..steps).for_each(|_| motion.step());
-    (NODES as u64 * steps) as f64 / start.elapsed().as_secs_f64()
+    (NODES as u64 * steps) as f64 / seconds(|| (0..steps).for_each(|_| motion.step()))
 }

@@ -20,7 +20,7 @@ use analyses::error::{Refusal, Result};
 use analyses::record::{GIVEN, StabilityRow, Subject, VerifyRow};
 use bipenalty::scene::{Scene, load};
 use bipenalty::schemes::{Scheme, SchemeName};
-use bipenalty::stability::{AnyModel, AnyScene, Asking, Grid, LimitOf, Model, Sweep};
+use bipenalty::stability::{AnyModel, AnyScene, Asking, Grid, LimitOf, Sweep};
 use bipenalty::verify::{PenaltyPoint, Prediction, Search, check_any, confirm_any, points_of, predict_any};
 use clap::Parser;
 use rayon::prelude::*;
@@ -243,14 +243,19 @@ fn plan_opening(options: &Options) -> Result<OpeningPlan> {
     let grid = checked_grid(&beta_s, &ratio)?;
     require_memory(&grid, BYTES_PER_CASE)?;
     let scenes = match options.scene.scenes[..] {
-        [] => usual(options, ["signorini", "hunek"], None)?,
-        _ => options.scene.bars()?,
+        [] => usual(options, ["signorini", "hunek"], None)?.into_iter().map(AnyScene::Bars).collect(),
+        _ => options.scene.scenes()?,
     };
-    let models: Vec<Model> = scenes.iter().flat_map(|scene| options.scene.bar_models(scene)).collect();
-    let stem = |model: &Model| format!("opening-{}-{}", model.scene().name(), model.mass().name());
-    check_stems(&options.output, models.iter().map(stem))?;
+    let mut models: Vec<(AnyScene, Arc<AnyModel>)> = Vec::new();
+    for scene in scenes {
+        let of_scene = options.scene.models(&scene)?;
+        models.extend(of_scene.into_iter().map(|model| (scene.clone(), model)));
+    }
+    let mass = |model: &AnyModel| model.mass().map_or(GIVEN.to_owned(), |mass| mass.name());
+    let stem = |model: &AnyModel| format!("opening-{}-{}", model.name(), mass(model));
+    check_stems(&options.output, models.iter().map(|(_, model)| stem(model)))?;
     let theta = options.theta.unwrap_or(0.5);
-    Ok(OpeningPlan::new(&models, &options.scheme, theta, &grid, &options.opening)?)
+    OpeningPlan::new(&models, &options.scheme, theta, &grid, &options.opening)
 }
 
 /// What is done with contact held closed.

@@ -19,11 +19,11 @@
 //! pencil, sparse -> convex         the same for sparse matrices, where two bounds meet
 //! spectrum, convex -> stability    time steps, maps, contours, optimal ratios
 //! pencil -> schemes                state, step, energy and limit of a scheme, a folder each
+//! damping                          what dampers leave of a step: another undamped problem
 //! schemes -> impact, verify        runs beside exact solutions; limits found by stepping alone
+//! mesh, convex -> parts            a mesh in parts, each with its share of the matrices, for several processes
+//! sparse, double_double            matrices by rows, twice the digits;  error, memory, interrupt: what ends a run
 //! ```
-//!
-//! [`damping`] tells what dampers of bodies and contacts leave of a step, [`schemes::explicit`] what other explicit schemes
-//! stand and cost.
 //!
 //! A pencil may come from elsewhere: matrices of any mesh, gaps as sparse columns ([`pencil::Pencil::new`]), elements of
 //! one's own ([`fem::assemble_elements`]). So may an engine ([`spectrum::Engine`]) and a scheme ([`schemes::Scheme`]);

@@ -11,6 +11,10 @@ mod definite;
 mod double_double;
 #[path = "convex/exact.rs"]
 mod exact;
+#[path = "common/numbers.rs"]
+mod numbers;
+#[path = "common/reduced.rs"]
+mod reduced;
 
 use bipenalty::convex::factor::Verdict;
 use bipenalty::convex::{Asked, Curve, Enclosed, MeshPencil, Options, Patches, Prover, TooWide};
@@ -18,25 +22,10 @@ use bipenalty::pencil::{Gap, Matrix};
 use bipenalty::sparse::{Csr, SparseVector};
 use blocks::{Blocks, dense_largest};
 use exact::Exact;
-
-/// Uniform numbers in [0, 1), the same in every run.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() * n as f64) as usize
-    }
-    fn log(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.next())
-    }
-}
+use numbers::Numbers;
 
 /// Springs between random masses, singular where nothing is held; contrasts of 1e6; contacts that share unknowns.
-fn random_pencil(random: &mut Random) -> MeshPencil {
+fn random_pencil(random: &mut Numbers) -> MeshPencil {
     let n = 2 + random.below(29);
     let (mut k, mut m) = (Vec::new(), Vec::new());
     let (soft, light) = (random.log(1e-3, 1e3), random.log(1e-3, 1e3));
@@ -65,7 +54,7 @@ fn random_pencil(random: &mut Random) -> MeshPencil {
     MeshPencil::new(Matrix::Sparse(Csr::from_triplets(n, n, &k)), mass, contacts).unwrap()
 }
 
-fn random_contact(random: &mut Random, n: usize) -> Gap {
+fn random_contact(random: &mut Numbers, n: usize) -> Gap {
     let mut entries = vec![(random.below(n) as u32, 1.0)];
     for _ in 0..random.below(3) {
         let at = random.below(n) as u32;
@@ -86,7 +75,7 @@ fn enclosure(found: Result<Enclosed, TooWide>) -> Enclosed {
 /// as far as the rounding of t P, relative to l, makes it.
 #[test]
 fn five_hundred_random_pencils_are_enclosed_as_narrowly_as_asked_or_said_to_be_wider() {
-    let mut random = Random(7);
+    let mut random = Numbers(7);
     let mut wide = [0; 2];
     for case in 0..500 {
         let pencil = random_pencil(&mut random);
@@ -197,7 +186,7 @@ fn patches_lie_above_the_exact_value_and_close_in_on_it() {
 /// Patches that share out elements and contacts at random: none proves a value below the exact one, each proves one above.
 #[test]
 fn no_partition_proves_less_than_the_exact_value() {
-    let mut random = Random(3);
+    let mut random = Numbers(3);
     for case in 0..60 {
         let blocks = Blocks::new(2 + random.below(4), 1 + random.below(3), [1.0, random.log(0.1, 10.0)]);
         let pencil = blocks.pencil();

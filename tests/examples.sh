@@ -49,10 +49,10 @@ for tool in $(awk -F'"' '/^\[\[bin\]\]/ { bin = 1 } bin && /^name/ { print $2; b
     done < <("$tool" --help | sed -n "/^Examples:/,\$p" | grep -E "^  $tool( |\$)" | sed -E 's/^  //; s/  +.*//')
 done
 
-# The numbers that README.md prints are those that its commands have printed.
+# The numbers that the documents print are those that their commands have printed.
 while IFS= read -r line; do
-    grep -Fxq -- "$line" "$log" || { echo "README.md prints what no command printed: $line" >&2; exit 1; }
-done < <(blocks text README.md)
+    grep -Fxq -- "$line" "$log" || { echo "a document prints what no command printed: $line" >&2; exit 1; }
+done < <(blocks text README.md analyses/*.md)
 if command -v python3 >/dev/null; then
     printed=$(blocks python README.md | python3 -)
     grep -Fq -- "# $printed" README.md || { echo "the script of README.md prints $printed" >&2; exit 1; }

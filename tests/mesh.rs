@@ -57,19 +57,19 @@ fn element_spectrum(
 ) -> Vec<f64> {
     let element = kind.element();
     let computed = ElementMatrices::new(element, nodes, &material(nu), plane).unwrap();
-    let (n, d, mass) = (nodes.len(), element.dimension(), computed.mass(element, gamma));
+    let (n, d, mass) = (nodes.len(), element.dimension, computed.mass(element, gamma));
     let k = Mat::from_fn(n * d, n * d, |i, j| computed.stiffness[i * n * d + j]);
     let m = Mat::from_fn(n * d, n * d, |i, j| if i % d == j % d { mass[i / d * n + j / d] } else { 0.0 });
     eigenvalues(&k, &m)
 }
 
 pub(crate) fn plane(kind: Kind) -> Option<Plane> {
-    (kind.element().dimension() == 2).then_some(Plane::Strain)
+    (kind.element().dimension == 2).then_some(Plane::Strain)
 }
 
 /// The nodes of a box's mesh, moved by `f`, with its elements.
 pub(crate) fn body(kind: Kind, cells: [usize; 3], f: impl Fn(Coordinates) -> Coordinates) -> Body {
-    let cells = if kind.element().dimension() == 2 { [cells[0], cells[1], 1] } else { cells };
+    let cells = if kind.element().dimension == 2 { [cells[0], cells[1], 1] } else { cells };
     let cuboid = Cuboid { size: [2.0, 1.5, 1.0], cells, origin: [0.3, -0.2, 0.1], kind };
     let mut mesh = cuboid.mesh();
     mesh.distort(f);
@@ -77,7 +77,7 @@ pub(crate) fn body(kind: Kind, cells: [usize; 3], f: impl Fn(Coordinates) -> Coo
 }
 
 fn elements(kind: Kind, cells: [usize; 3], gamma: f64, f: impl Fn(Coordinates) -> Coordinates) -> Elements {
-    Elements::new(vec![body(kind, cells, f)], kind.element().dimension(), plane(kind), gamma)
+    Elements::new(vec![body(kind, cells, f)], kind.element().dimension, plane(kind), gamma)
 }
 
 /// A bend that changes every element's shape and keeps every Jacobian positive.
@@ -102,7 +102,7 @@ fn element_matrices_are_those_of_an_independent_assembler() {
     assert_eq!(rows.len(), 12, "four plane elements twice, four of space");
     for row in rows {
         let name = row["element"].as_str().unwrap();
-        let kind = Kind::ALL.into_iter().find(|kind| kind.element().name() == name).unwrap();
+        let kind = Kind::ALL.into_iter().find(|kind| kind.element().name == name).unwrap();
         let places = row["nodes"].as_array().unwrap().iter().map(numbers);
         let nodes: Vec<Coordinates> =
             places.map(|x| std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0))).collect();
@@ -131,7 +131,7 @@ fn element_matrices_are_those_of_an_independent_assembler() {
 #[test]
 fn constant_strain_passes_the_patch_test() {
     for kind in Kind::ALL {
-        let d = kind.element().dimension();
+        let d = kind.element().dimension;
         // Straight edges: middle nodes stay in the middle, as a linear field needs for serendipity elements.
         let elements = elements(kind, [3, 2, 2], 1.0, bend);
         let k = elements.stiffness().unwrap();
@@ -165,7 +165,7 @@ fn constant_strain_passes_the_patch_test() {
 #[test]
 fn a_free_mesh_has_its_rigid_motions_and_no_others() {
     for (kind, gamma) in Kind::ALL.into_iter().flat_map(|kind| [0.0, 0.5, 1.0].map(|gamma| (kind, gamma))) {
-        let d = kind.element().dimension();
+        let d = kind.element().dimension;
         for cells in [[1, 1, 1], [2, 1, 1]] {
             let elements = elements(kind, cells, gamma, bend);
             let (k, m) = (elements.stiffness().unwrap(), elements.mass().unwrap());
@@ -180,7 +180,7 @@ fn a_free_mesh_has_its_rigid_motions_and_no_others() {
 #[test]
 fn the_mass_is_that_of_the_body_whatever_its_form() {
     for kind in Kind::ALL {
-        let d = kind.element().dimension();
+        let d = kind.element().dimension;
         let exact = 1.7 * 2.0 * 1.5 * d as f64;
         for gamma in [0.0, 0.3, 1.0] {
             let mass = elements(kind, [3, 2, 2], gamma, |x| x).mass().unwrap();
@@ -198,7 +198,7 @@ fn the_mass_is_that_of_the_body_whatever_its_form() {
 fn row_sums_of_second_order_are_refused() {
     for kind in Kind::ALL {
         let element = kind.element();
-        let computed = ElementMatrices::new(element, element.nodes(), &material(0.3), plane(kind)).unwrap();
+        let computed = ElementMatrices::new(element, element.nodes, &material(0.3), plane(kind)).unwrap();
         let sums = computed.lumped(element, Lumping::RowSums);
         assert_eq!(sums.is_err(), element.order() == 2, "{kind:?}");
         let scaled = computed.lumped(element, Lumping::ScaledDiagonal).unwrap();
@@ -211,8 +211,7 @@ fn row_sums_of_second_order_are_refused() {
 fn squares_and_cubes_have_their_closed_form() {
     let (nu, a) = (0.3, 0.7);
     let unit = 2.5 / 1.7 / (a * a);
-    let nodes =
-        |kind: Kind| kind.element().nodes().iter().map(|x| x.map(|x| 0.5 * a * x)).collect::<Vec<_>>();
+    let nodes = |kind: Kind| kind.element().nodes.iter().map(|x| x.map(|x| 0.5 * a * x)).collect::<Vec<_>>();
     let strain = (1.0 + nu) * (1.0 - 2.0 * nu);
     let cases = [
         (Kind::Quad4, Some(Plane::Stress), 1.0, 4.0 / (1.0 - nu)),
@@ -245,7 +244,7 @@ fn eigenvalues_converge_with_their_order() {
 }
 
 fn error_of_shear_mode(kind: Kind, n: usize) -> f64 {
-    let name = kind.element().name();
+    let name = kind.element().name;
     let holds: String = [("left", "x"), ("right", "x"), ("bottom", "y"), ("top", "y")]
         .map(|(side, axis)| format!("[[hold]]\nsurface = \"b.{side}\"\ndirections = [\"{axis}\"]\n"))
         .concat();

@@ -11,6 +11,8 @@ mod chance;
 mod governing;
 #[path = "models/largest.rs"]
 mod largest;
+#[path = "common/numbers.rs"]
+mod numbers;
 #[path = "models/orthogonality.rs"]
 mod orthogonality;
 #[path = "models/patches.rs"]

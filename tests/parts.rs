@@ -3,6 +3,9 @@
 // A helper that cannot go on fails its test.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[path = "common/reduced.rs"]
+mod reduced;
+
 use std::sync::{Barrier, Mutex};
 
 use bipenalty::convex::factor::Verdict;
@@ -14,9 +17,9 @@ use bipenalty::fem::MassMatrix;
 use bipenalty::mesh::MeshScene;
 use bipenalty::parts::{Part, Share, split};
 use bipenalty::pencil::Matrix;
-use faer::linalg::solvers::Llt;
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, Par, Side};
+use reduced::reduced;
 
 /// Two blocks of unlike meshes; `cells` of the upper one decide whether nodes meet nodes.
 fn scene(cells: &str) -> MeshScene {
@@ -77,22 +80,7 @@ impl Sum {
 fn top(pencil: &MeshPencil, (a, t): (f64, f64), closed: bool) -> (f64, Vec<f64>) {
     // So stiff that what is left of the gaps is nothing.
     let t = if closed { -1e6 } else { t };
-    let n = pencil.size();
-    let (mut k, mut m) = (Mat::<f64>::zeros(n, n), Mat::<f64>::zeros(n, n));
-    let (mut x, mut y) = (vec![0.0; n], vec![0.0; n]);
-    for j in 0..n {
-        x[j] = 1.0;
-        pencil.multiply(a, t, &x, &mut y);
-        (0..n).for_each(|i| k[(i, j)] = y[i]);
-        pencil.multiply_mass(&x, &mut y);
-        (0..n).for_each(|i| m[(i, j)] = y[i]);
-        x[j] = 0.0;
-    }
-    let factor = Llt::new(m.as_ref(), Side::Lower).unwrap();
-    solve_lower_triangular_in_place(factor.L(), k.as_mut(), Par::Seq);
-    let mut k = k.transpose().to_owned();
-    solve_lower_triangular_in_place(factor.L(), k.as_mut(), Par::Seq);
-    let symmetric = Mat::from_fn(n, n, |i, j| 0.5 * (k[(i, j)] + k[(j, i)]));
+    let (n, (symmetric, factor)) = (pencil.size(), reduced(pencil, a, t));
     let found = symmetric.self_adjoint_eigen(Side::Lower).unwrap();
     let mut vector = Mat::from_fn(n, 1, |i, _| found.U()[(i, n - 1)]);
     solve_upper_triangular_in_place(factor.L().transpose(), vector.as_mut(), Par::Seq);

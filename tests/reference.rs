@@ -39,14 +39,7 @@ fn rows() -> Vec<Row> {
 
 /// The scene of a row with E = rho = A = h = 1.
 fn unit_scene(name: &str, elements: usize) -> Scene {
-    let bar = |elements: usize| Bar {
-        length: elements as f64,
-        elements,
-        youngs_modulus: 1.0,
-        density: 1.0,
-        area: 1.0,
-        velocity: 0.0,
-    };
+    let bar = Bar::unit;
     let n = elements;
     let (bars, right) = match name {
         "signorini" => (vec![bar(n)], End::Wall),

@@ -231,12 +231,8 @@ fn every_multiplier_is_inside_below_the_limit_and_one_outside_above() {
     assert!(seen[0] >= 100 && seen[1] >= 150, "{seen:?} seen, {unseen:?} below the tolerance");
 }
 
-fn bar(elements: usize) -> Bar {
-    Bar { length: elements as f64, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 }
-}
-
 fn on_a_wall(elements: usize, gamma: f64) -> Model {
-    let scene = Scene::new("wall", End::Free, vec![bar(elements)], End::Wall, None).unwrap();
+    let scene = Scene::new("wall", End::Free, vec![Bar::unit(elements)], End::Wall, None).unwrap();
     Model::new(scene, MassMatrix::new(gamma).unwrap(), PenaltyMass::Consistent)
 }
 
@@ -261,7 +257,7 @@ fn the_predictor_corrector_keeps_half_the_step_of_a_stiff_optimal_penalty() {
     }
     let consistent = relative(&on_a_wall(7, 0.0), SchemeName::PredictorCorrector, 0.5, 30.0, 1.0);
     assert!((consistent - 0.52808).abs() < 5e-6, "{consistent}");
-    let two = Scene::new("two", End::Free, vec![bar(5), bar(10)], End::Free, None).unwrap();
+    let two = Scene::new("two", End::Free, vec![Bar::unit(5), Bar::unit(10)], End::Free, None).unwrap();
     let two = Model::new(two, MassMatrix::LUMPED, PenaltyMass::Consistent);
     let found = relative(&two, SchemeName::PredictorCorrector, 0.5, 1.0, 1.0);
     assert!((found - 0.5f64.sqrt()).abs() < 1e-13, "{found}");
@@ -318,7 +314,7 @@ fn several_contacts_are_limited_together() {
     for point in 0..60 {
         let alike = numbers.next() < 0.5;
         let bars: Vec<Bar> = if alike {
-            vec![bar(2 + (5.0 * numbers.next()) as usize); 1 + (2.0 * numbers.next()) as usize]
+            vec![Bar::unit(2 + (5.0 * numbers.next()) as usize); 1 + (2.0 * numbers.next()) as usize]
         } else {
             (0..3).map(|_| numbers.bar(0.5)).collect()
         };
@@ -352,7 +348,7 @@ fn what_the_limits_are_not_derived_for_is_refused() {
         let limit = scheme.with_theta(theta).and_then(|scheme| model.limit(&*scheme, &pencil).map(|_| ()));
         limit.unwrap_err().to_string()
     };
-    let pair = || Scene::new("pair", End::Free, vec![bar(2), bar(3)], End::Free, None).unwrap();
+    let pair = || Scene::new("pair", End::Free, vec![Bar::unit(2), Bar::unit(3)], End::Free, None).unwrap();
     let consistent = PenaltyMass::Consistent;
     let text = refusal(pair(), PenaltyMass::Diagonalised, SchemeName::Park, 0.5);
     assert!(text.contains("diagonalised"), "{text}");
@@ -366,7 +362,7 @@ fn what_the_limits_are_not_derived_for_is_refused() {
 #[test]
 fn where_the_limit_is_not_known_there_is_a_lower_bound_and_no_plastic_ratio() {
     let scene = |bars: &[usize], ends: (End, End)| {
-        Scene::new("several", ends.0, bars.iter().map(|n| bar(*n)).collect(), ends.1, None).unwrap()
+        Scene::new("several", ends.0, bars.iter().map(|n| Bar::unit(*n)).collect(), ends.1, None).unwrap()
     };
     for (scene, what) in [
         (scene(&[1], (End::Fixed, End::Wall)), "single nodes"),

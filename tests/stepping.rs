@@ -12,6 +12,8 @@ use bipenalty::scene::{Bar, End, Impact, Scene, built_in};
 use bipenalty::schemes::{CentralDifference, ContactRule, Park, Scheme, SchemeName, System};
 use bipenalty::stability::Model;
 
+#[path = "stepping/coupled.rs"]
+mod coupled;
 #[path = "stepping/digits.rs"]
 mod digits;
 #[path = "stepping/energy.rs"]
@@ -39,7 +41,7 @@ fn summary(run: &Run) -> Summary {
 }
 
 fn unit_bar(elements: usize, velocity: f64) -> Bar {
-    Bar { length: elements as f64, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity }
+    Bar { velocity, ..Bar::unit(elements) }
 }
 
 #[test]

@@ -58,6 +58,45 @@ impl Prover {
     }
 }
 
+impl Prover {
+    /// Whether K + e M is proven to be positive semidefinite.
+    pub fn resists(&self, e: f64) -> bool {
+        let mut margin = LEAST_MARGIN;
+        while margin < 1.0 {
+            match self.prove(e, (-1.0, 0.0), margin) {
+                Verdict::Proven => return true,
+                Verdict::Refuted => return false,
+                Verdict::TooClose(needed) => margin = f64::max(2.0 * needed, 2.0 * margin),
+            }
+        }
+        false
+    }
+
+    /// A q with M >= diag(M)/q; `None` where M is no better conditioned in its diagonal than 2^13, or not definite.
+    pub fn condition(&self, diagonal: bool) -> Option<f64> {
+        if diagonal {
+            return Some(1.0);
+        }
+        // D M D >= e I with D^2 diag(M) >= 1/2.
+        (2..13).map(|power| f64::from(-power).exp2()).find(|e| self.proves_mass(*e)).map(|e| 2.0 / e)
+    }
+
+    fn proves_mass(&self, share: f64) -> bool {
+        match self {
+            Self::Whole(factorisation) => {
+                let verdict =
+                    factorisation.prove_beyond(1.0, (0.0, 0.0), (1.0 + LEAST_MARGIN) * share, share);
+                verdict == Verdict::Proven
+            }
+            Self::Patches(patches) => patches.proves_mass(share),
+            Self::Chance(_) => false,
+        }
+    }
+}
+
+/// The part that rounding is tried to get along with first.
+const LEAST_MARGIN: f64 = 1e-3;
+
 /// How to enclose f.
 #[derive(Debug, Clone, Copy)]
 pub struct Options {

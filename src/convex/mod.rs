@@ -56,7 +56,9 @@
 //! ```
 
 mod chance;
+mod closed;
 pub mod curve;
+mod dense;
 mod elements;
 pub mod factor;
 mod inverse;
@@ -66,6 +68,7 @@ pub mod operator;
 pub mod patches;
 pub mod pencil;
 mod point;
+mod response;
 pub mod session;
 pub mod sharing;
 pub mod source;
@@ -76,6 +79,7 @@ pub mod upper;
 mod vectors;
 
 pub use chance::Chance;
+pub use closed::{Flexibilities, Given, Poles, Share};
 pub use curve::{Curve, Effort, Options, Prover};
 pub use inverse::Passing;
 pub use patches::{Elements, Patches};

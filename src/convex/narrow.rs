@@ -39,6 +39,10 @@ impl<S: Source> Curve<S> {
 
     fn narrow(&mut self, asked: &[Asked]) -> Vec<Enclosed> {
         let mut known = self.known(asked);
+        // What is known closely enough already is not sampled again: every line that is added costs all later questions.
+        if known.iter().all(|known| known.step_width() <= self.options.tolerance) {
+            return known;
+        }
         self.sample_for(asked, &known);
         known = self.known(asked);
         // Each round adds a point where the widest enclosure is; a round that changes nothing there ends it.

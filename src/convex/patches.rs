@@ -18,6 +18,7 @@ use super::factor::{Factorisation, TooLarge, Verdict};
 use super::pencil::MeshPencil;
 use super::sharing;
 use crate::error::Refusal;
+use crate::interrupt;
 use crate::pencil::Gap;
 use crate::sparse::SparseVector;
 
@@ -86,8 +87,12 @@ impl Patches {
         });
         let mut kept: Vec<usize> = seen.into_values().collect();
         kept.sort_unstable();
-        let distinct =
-            kept.into_par_iter().map(|g| build(elements, &groups[g], memory)).collect::<Result<_, _>>()?;
+        let watch = interrupt::handed();
+        let one = |g: usize| {
+            watch.look();
+            build(elements, &groups[g], memory)
+        };
+        let distinct = kept.into_par_iter().map(one).collect::<Result<_, _>>()?;
         let (k, m, count) = elements.sizes(pencil.mass_diagonal());
         Ok(Self { distinct, total: groups.len(), sizes: (k, m, 0.0, count + 64) })
     }
@@ -113,8 +118,24 @@ impl Patches {
         // diag(M_p), scaled by powers of two, lies below 2; the rounding of shares and sums is covered by doubling.
         let unit = 4.0 * super::factor::rounding(count);
         let lost = Lost { mass: unit * m, other: unit * (a.abs() * k + t.abs() * p) };
-        let verdict = |patch: &Patch| patch.prove(u, (a, t), margin, lost);
+        let watch = interrupt::handed();
+        let verdict = |patch: &Patch| {
+            watch.look();
+            patch.prove(u, (a, t), margin, lost)
+        };
         self.distinct.par_iter().map(verdict).reduce(|| Verdict::Proven, worse)
+    }
+}
+
+impl Patches {
+    /// Whether M >= `share` diag(M)/2, patch by patch.
+    pub(super) fn proves_mass(&self, share: f64) -> bool {
+        let lost = 4.0 * super::factor::rounding(self.sizes.3) * self.sizes.1;
+        let margin = (1.0 + MASS_MARGIN) * share + 2.0 * lost + MASS_MARGIN;
+        let proves = |patch: &Patch| {
+            patch.factorisation.prove_beyond(1.0, (0.0, 0.0), margin, share + lost) == Verdict::Proven
+        };
+        self.distinct.par_iter().all(proves)
     }
 }
 

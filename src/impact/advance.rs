@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Ending;
+use crate::interrupt;
 use crate::schemes::Motion;
 
 /// The stop flag is looked at, and progress told, every so many steps.
@@ -49,8 +50,11 @@ pub(super) fn advance(
     let bound = BLOW_UP * if reference_speed > 0.0 { reference_speed } else { f64::MAX / BLOW_UP };
     for step in 0..=steps {
         let time = step as f64 * time_step;
-        if step % STEPS_BETWEEN_LOOKS == 0 && !within(&motion.state().velocity, bound) {
-            return Ending::BlewUp { step, time };
+        if step % STEPS_BETWEEN_LOOKS == 0 {
+            interrupt::look();
+            if !within(&motion.state().velocity, bound) {
+                return Ending::BlewUp { step, time };
+            }
         }
         if let Some(Observer { stop, report }) = &mut progress
             && step % STEPS_BETWEEN_CHECKS == 0

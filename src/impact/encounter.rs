@@ -1,29 +1,24 @@
-//! Bodies of any kind on their way to each other: a pencil with gaps, initial velocities and loads, and its passage in time.
+//! Bodies of any kind on their way to each other: a pencil with gaps, initial velocities and loads.
 //!
 //! A mesh brings its matrices, contacts and the velocities of its bodies; a row of bars its model; anything else a
 //! [`Pencil`]. Contact is unilateral at every gap.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 
-use super::advance::{Observer, Pace, advance, steps};
-use super::run::{MAX_STEPS, contact_free_step};
-use super::{Ending, Mesh, Record};
+use super::Mesh;
+use super::run::contact_free_step;
 use crate::error::Refusal;
-use crate::memory;
 use crate::mesh::{Assembled, Elements, HELD, MeshImpact};
 use crate::pencil::{Bounds, Gap, Matrix, Penalty, Pencil};
-use crate::schemes::{ContactRule, Energy, Motion, Scheme, System};
 use crate::stability::Model;
 
 /// Bodies, how they move at the start, and what pulls at them. Cheap to clone but for the vectors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Encounter {
-    pencil: Pencil,
-    velocity: Vec<f64>,
-    load: Vec<f64>,
-    critical_step: f64,
+    pub(super) pencil: Pencil,
+    pub(super) velocity: Vec<f64>,
+    pub(super) load: Vec<f64>,
+    pub(super) critical_step: f64,
 }
 
 impl Encounter {
@@ -136,142 +131,8 @@ impl Encounter {
     }
 }
 
-/// An encounter stepped in time.
-#[derive(Debug, Clone)]
-pub struct Passage {
-    encounter: Encounter,
-    scheme: Arc<dyn Scheme>,
-    penalty: Penalty,
-    rule: ContactRule,
-    relative_courant: f64,
-    duration: f64,
-}
-
-impl Passage {
-    /// `encounter` by `scheme` with the time step C dt_cr over `duration` (s).
-    ///
-    /// # Errors
-    /// A C or a duration that is not positive and finite, more than [`MAX_STEPS`] steps.
-    pub fn new(
-        encounter: Encounter,
-        scheme: impl Into<Arc<dyn Scheme>>,
-        penalty: Penalty,
-        relative_courant: f64,
-        duration: f64,
-    ) -> Result<Self, Refusal> {
-        for (place, value) in [("relative Courant number", relative_courant), ("duration", duration)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Refusal::new(place, value, "a positive finite number"));
-            }
-        }
-        let (scheme, rule) = (scheme.into(), ContactRule::Unilateral);
-        let passage = Self { encounter, scheme, penalty, rule, relative_courant, duration };
-        let steps = duration / passage.time_step();
-        if steps > MAX_STEPS {
-            let value = format!("{duration:e}, which makes {steps:.3e} steps");
-            return Err(Refusal::new("duration", value, format!("at most {MAX_STEPS:e} steps")));
-        }
-        Ok(passage)
-    }
-
-    /// The same passage with contacts held open or closed.
-    pub fn with_rule(self, rule: ContactRule) -> Self {
-        Self { rule, ..self }
-    }
-
-    /// The encounter.
-    pub fn encounter(&self) -> &Encounter {
-        &self.encounter
-    }
-
-    /// dt, s.
-    pub fn time_step(&self) -> f64 {
-        self.relative_courant * self.encounter.critical_step
-    }
-
-    /// Steps until the duration is reached or passed.
-    pub fn steps(&self) -> u64 {
-        steps(self.duration, self.time_step())
-    }
-
-    /// The motion at time 0; `account` as in [`System`].
-    ///
-    /// # Errors
-    /// As [`Scheme::start`].
-    pub fn prepare(&self, account: bool) -> Result<Box<dyn Motion>, Refusal> {
-        let Encounter { pencil, velocity, load, critical_step } = &self.encounter;
-        let system = System {
-            pencil,
-            penalty: self.penalty,
-            load: load.clone(),
-            time_step: self.time_step(),
-            critical_step: *critical_step,
-            rule: self.rule,
-            account,
-        };
-        self.scheme.start(system, vec![0.0; pencil.size()], velocity.clone())
-    }
-
-    /// Steps through the passage, with a row every so many steps, the first and the last among them. `see` is shown each
-    /// recorded state, for pictures.
-    ///
-    /// # Errors
-    /// As [`Passage::prepare`]; rows every 0 steps, and more rows than the memory holds.
-    pub fn execute(
-        &self,
-        every: u64,
-        progress: Option<Observer>,
-        mut see: impl FnMut(f64, &dyn Motion),
-    ) -> Result<Record, Refusal> {
-        self.check_rows(every)?;
-        let mut motion = self.prepare(true)?;
-        let mut record = Record::new(self.encounter.pencil.gaps().len());
-        let dt = self.time_step();
-        let pace = Pace { steps: self.steps(), time_step: dt, reference_speed: self.reference_speed() };
-        let note = |step: u64, last: bool, motion: &mut dyn Motion| {
-            if step.is_multiple_of(every) || last {
-                record.note(step as f64 * dt, motion);
-                see(step as f64 * dt, motion);
-            }
-        };
-        let ending = advance(&mut *motion, pace, progress, note);
-        (record.switches, record.steps, record.ending) =
-            (motion.state().switches, motion.state().steps, ending);
-        Ok(record)
-    }
-
-    fn check_rows(&self, every: u64) -> Result<(), Refusal> {
-        if every == 0 {
-            return Err(Refusal::new("steps between records", 0, "at least 1"));
-        }
-        let rows = self.steps() / every + 2;
-        let row = (8 + 16 * self.encounter.pencil.gaps().len() + size_of::<Energy>()) as u64;
-        memory::require(
-            ("steps between records", &every.to_string()),
-            &format!("{rows} rows"),
-            rows * row,
-            |available| super::least_every(self.steps(), 1, row, available),
-        )
-    }
-
-    /// The largest initial speed plus what the load adds over the duration, m/s.
-    fn reference_speed(&self) -> f64 {
-        let Encounter { pencil, velocity, load, .. } = &self.encounter;
-        let initial = velocity.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
-        let rate = |(i, f): (usize, &f64)| f.abs() / pencil.mass().diagonal(i);
-        initial + self.duration * load.iter().enumerate().map(rate).fold(0.0, f64::max)
-    }
-}
-
-impl Ending {
-    /// Whether the duration was reached.
-    pub fn is_finished(self) -> bool {
-        self == Self::Finished
-    }
-}
-
 /// A vector of one value for each body and direction on the free unknowns.
-fn of_unknowns(elements: &Elements, of: impl Fn(usize) -> [f64; 3]) -> Vec<f64> {
+pub(super) fn of_unknowns(elements: &Elements, of: impl Fn(usize) -> [f64; 3]) -> Vec<f64> {
     let d = elements.dimension;
     let mut vector = Vec::with_capacity(elements.unknowns());
     for (body, ends) in elements.first.windows(2).enumerate() {
@@ -284,7 +145,7 @@ fn of_unknowns(elements: &Elements, of: impl Fn(usize) -> [f64; 3]) -> Vec<f64> 
 }
 
 /// M b: without the share of supports, which take it themselves.
-fn weight(pencil: &Pencil, acceleration: &[f64]) -> Vec<f64> {
+pub(super) fn weight(pencil: &Pencil, acceleration: &[f64]) -> Vec<f64> {
     let mut load = vec![0.0; pencil.size()];
     pencil.mass().multiply(acceleration, &mut load);
     load

@@ -24,6 +24,34 @@ pub struct Record {
     pub ending: Ending,
 }
 
+/// How a passage went, beside its rows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// Energies at the start and at the end.
+    pub energy: [Energy; 2],
+    /// How often contacts have opened or closed.
+    pub switches: u64,
+    /// Steps done.
+    pub steps: u64,
+    /// How it ended.
+    pub ending: Ending,
+}
+
+impl Outcome {
+    /// Kinetic, strain and penalty energy at the end, less the work of the load, over that at the start, and what rounding may
+    /// make of it: each step rounds each of the sums of the balance, which the energies keep to 4 epsilon a step of the largest.
+    /// `None` where nothing moves at the start, and where the passage has blown up.
+    pub fn energy_ratio(&self) -> Option<(f64, f64)> {
+        let [first, last] = self.energy;
+        let (start, work) = (first.stored(), last.body_work - first.body_work);
+        let largest =
+            [start, work, last.stored(), last.loss].into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let rounding = 4.0 * f64::EPSILON * (self.steps + 1) as f64 * largest / start;
+        let blown_up = matches!(self.ending, Ending::BlewUp { .. });
+        (!blown_up && start >= f64::MIN_POSITIVE).then(|| ((last.stored() - work) / start, rounding))
+    }
+}
+
 impl Record {
     pub(super) fn new(contacts: usize) -> Self {
         Self {

@@ -271,7 +271,7 @@ impl<'a> Recorder<'a> {
         };
         let lengths = mesh.contact_lengths(run.model.mass());
         let compared = lengths.first().filter(|_| recording.compare);
-        let comparison = compared.and_then(|length| Comparison::new(run, *length));
+        let comparison = compared.and_then(|length| Comparison::of(run, *length));
         Self { recording, mesh, lengths, stress_steps, dt: run.time_step(), comparison, history }
     }
 
@@ -283,7 +283,7 @@ impl<'a> Recorder<'a> {
         }
         if let Some(comparison) = &mut self.comparison {
             motion.synchronise();
-            comparison.note(time, motion.state());
+            comparison.note(time, motion.state().force[0], motion.state().gap[0]);
         }
         if !step.is_multiple_of(self.recording.every) && !last {
             return;

@@ -11,6 +11,8 @@ pub struct Summary {
     pub force_error: Option<f64>,
     /// [`Accuracy::steady_relative_gap`]; `None` also if the recording did not ask for it.
     pub steady_relative_gap: Option<f64>,
+    /// [`Accuracy::overshoot`] and [`Accuracy::variation`]; `None` as the others.
+    pub oscillation: [Option<f64>; 2],
     /// Kinetic, strain and penalty energy at the end over that at the start. With a body force its potential belongs to
     /// both, measured from where the bar touches the wall.
     pub energy_ratio: Option<f64>,
@@ -24,22 +26,19 @@ impl Summary {
     /// The summary of `history`, which `run` has left.
     pub fn of(run: &Run, history: &History) -> Self {
         let switches = history.switches;
-        let none = Accuracy { force_error: None, steady_relative_gap: None };
         if matches!(history.ending, Ending::BlewUp { .. }) {
-            let Accuracy { force_error, steady_relative_gap } = none;
-            return Self {
-                force_error,
-                steady_relative_gap,
-                energy_ratio: None,
-                more_energy: false,
-                switches,
-            };
+            return Self::new(Accuracy::default(), None, switches);
         }
-        let Accuracy { force_error, steady_relative_gap } = history.accuracy.unwrap_or(none);
-        let energy = energy_ratio(run, history);
+        Self::new(history.accuracy.unwrap_or_default(), energy_ratio(run, history), switches)
+    }
+
+    /// With the energy at the end over that at the start, and what rounding may make of it.
+    pub fn new(accuracy: Accuracy, energy: Option<(f64, f64)>, switches: u64) -> Self {
+        let Accuracy { force_error, steady_relative_gap, overshoot, variation } = accuracy;
         Self {
             force_error,
             steady_relative_gap,
+            oscillation: [overshoot, variation],
             energy_ratio: energy.map(|(ratio, _)| ratio),
             more_energy: energy.is_some_and(|(ratio, rounding)| ratio > 1.0 + rounding),
             switches,

@@ -152,8 +152,8 @@ pub(super) fn gaps(file: &Entries, size: usize) -> Result<Vec<SparseVector>, Ref
     (0..file.columns).map(column).collect()
 }
 
-/// The scales: k x 1, positive.
-pub(super) fn scales(file: &Entries, count: usize) -> Result<Vec<f64>, Refusal> {
+/// A vector: `count` x 1.
+pub(super) fn vector(file: &Entries, count: usize) -> Result<Vec<f64>, Refusal> {
     if file.form != Form::MatrixMarket || (file.rows, file.columns) != (count, 1) {
         let value = format!("{} x {}", file.rows, file.columns);
         return Err(Refusal::new(
@@ -162,8 +162,14 @@ pub(super) fn scales(file: &Entries, count: usize) -> Result<Vec<f64>, Refusal> 
             format!("{count} x 1 in Matrix Market form"),
         ));
     }
-    let mut scales = vec![0.0; count];
-    file.entries.iter().for_each(|(row, _, value)| scales[*row as usize] += value);
+    let mut vector = vec![0.0; count];
+    file.entries.iter().for_each(|(row, _, value)| vector[*row as usize] += value);
+    Ok(vector)
+}
+
+/// The scales: k x 1, positive.
+pub(super) fn scales(file: &Entries, count: usize) -> Result<Vec<f64>, Refusal> {
+    let scales = vector(file, count)?;
     match scales.iter().position(|w| *w <= 0.0) {
         None => Ok(scales),
         Some(at) => {

@@ -8,4 +8,4 @@ mod reader;
 mod scene;
 
 pub use reader::{Entries, Form, parse, read};
-pub use scene::{Matrices, MatrixScene, Reference};
+pub use scene::{Matrices, MatrixImpact, MatrixScene, Reference, Throw};

@@ -35,6 +35,50 @@ pub struct MatrixScene {
     pub scales: Option<PathBuf>,
     /// omega_ref^2.
     pub reference: Reference,
+    /// What time stepping needs beside them.
+    pub impact: Option<MatrixImpact>,
+}
+
+/// `[impact]` of a scene of matrices: where its files are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MatrixImpact {
+    /// Simulated time T, s.
+    pub duration: f64,
+    /// v at the start, n x 1, m/s.
+    velocity: Option<PathBuf>,
+    /// Constant nodal forces f, n x 1, N.
+    load: Option<PathBuf>,
+    /// g0 of every contact, k x 1, m, negative where open.
+    gaps: Option<PathBuf>,
+}
+
+/// How matrices move at the start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Throw {
+    /// v, m/s; n numbers.
+    pub velocity: Vec<f64>,
+    /// f, N; empty for none.
+    pub load: Vec<f64>,
+    /// g0, m, negative where open; k numbers.
+    pub gaps: Vec<f64>,
+}
+
+impl MatrixImpact {
+    /// Reads how n unknowns with k contacts move at the start; what has no file is 0.
+    ///
+    /// # Errors
+    /// Files that cannot be read, or that are not n x 1 or k x 1 in Matrix Market form.
+    pub fn read(&self, n: usize, k: usize) -> Result<Throw> {
+        let vector = |path: &Option<PathBuf>, count: usize| {
+            path.as_ref().map(|path| Ok(check::vector(&reader::read(path)?, count)?)).transpose()
+        };
+        let load: Result<_> = vector(&self.load, n);
+        Ok(Throw {
+            velocity: vector(&self.velocity, n)?.unwrap_or_else(|| vec![0.0; n]),
+            load: load?.unwrap_or_default(),
+            gaps: vector(&self.gaps, k)?.unwrap_or_else(|| vec![0.0; k]),
+        })
+    }
 }
 
 /// The matrices of a scene, checked.
@@ -103,6 +147,16 @@ fn symmetric(name: &str, matrix: Csr, size: usize) -> Result<Csr, Refusal> {
 struct SceneText {
     name: Option<Spanned<String>>,
     matrices: MatricesText,
+    impact: Option<ImpactText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ImpactText {
+    duration: Spanned<f64>,
+    velocity: Option<String>,
+    load: Option<String>,
+    gaps: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -147,7 +201,18 @@ impl MatrixScene {
             }
         };
         let folder = Path::new(path).parent().unwrap_or(Path::new(""));
+        let impact = raw.impact.map(|impact| {
+            let (duration, at) = (*impact.duration.get_ref(), impact.duration.span().start);
+            if !(duration > 0.0 && duration.is_finite()) {
+                let allowed = "a finite number above 0 (s)";
+                return Err(Refusal::new(place("impact.duration", at), duration, allowed));
+            }
+            let [velocity, load, gaps] =
+                [impact.velocity, impact.load, impact.gaps].map(|file| file.map(|file| folder.join(file)));
+            Ok(MatrixImpact { duration, velocity, load, gaps })
+        });
         Ok(Self {
+            impact: impact.transpose()?,
             name: name.clone(),
             stiffness: folder.join(raw.matrices.stiffness),
             mass: folder.join(raw.matrices.mass),

@@ -6,6 +6,7 @@ use super::elasticity::{ElementMatrices, Material, Plane};
 use super::element::Coordinates;
 use super::topology::Mesh;
 use crate::error::Refusal;
+use crate::interrupt;
 use crate::pencil::Matrix;
 use crate::sparse::Csr;
 
@@ -219,7 +220,9 @@ impl Elements {
                 tasks.push((body, nodes, index, value));
             }
         }
+        let watch = interrupt::handed();
         tasks.into_par_iter().try_for_each(|(body, nodes, indices, values)| {
+            watch.look();
             self.fill(&adjacency[body], body, nodes, part, indices, values)
         })?;
         Ok(Csr::from_parts(unknowns, starts, indices, values))

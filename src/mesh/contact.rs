@@ -52,7 +52,7 @@ fn cross(a: &Coordinates, b: &Coordinates) -> Coordinates {
 struct Patch {
     nodes: Vec<u32>,
     places: Vec<Coordinates>,
-    element: &'static dyn Element,
+    element: &'static Element,
     centre: Coordinates,
     /// No node is farther from the centre.
     radius: f64,
@@ -83,7 +83,7 @@ impl Patch {
     }
 
     fn at(&self, reference: Coordinates) -> At {
-        let shape = self.element.shape(reference);
+        let shape = (self.element.shape)(reference);
         let mut at = At { x: [0.0; 3], tangents: [[0.0; 3]; 2], weights: shape.values };
         for ((place, value), gradient) in self.places.iter().zip(&shape.values).zip(&shape.gradients) {
             for i in 0..3 {
@@ -97,7 +97,7 @@ impl Patch {
     /// The outward unit normal.
     fn normal(&self, at: &At) -> Coordinates {
         let [a, b] = &at.tangents;
-        let normal = if self.element.dimension() == 1 { [a[1], -a[0], 0.0] } else { cross(a, b) };
+        let normal = if self.element.dimension == 1 { [a[1], -a[0], 0.0] } else { cross(a, b) };
         let length = dot(&normal, &normal).sqrt();
         normal.map(|entry| entry / length)
     }
@@ -112,7 +112,7 @@ impl Patch {
             let off = minus(x, &at.x);
             let [a, b] = &at.tangents;
             let (aa, fa) = (dot(a, a), dot(a, &off));
-            let step = if self.element.dimension() == 1 {
+            let step = if self.element.dimension == 1 {
                 [fa / aa, 0.0]
             } else {
                 let (ab, bb, fb) = (dot(a, b), dot(b, b), dot(b, &off));
@@ -136,7 +136,7 @@ impl Patch {
     /// The reference coordinates, moved onto the edge where they lie beyond it by rounding; `None` outside.
     fn inside(&self, reference: Coordinates) -> Option<Coordinates> {
         let low = if self.element.is_simplex() { 0.0 } else { -1.0 };
-        if reference[..self.element.dimension()].iter().any(|r| !(low - SAME..=1.0 + SAME).contains(r))
+        if reference[..self.element.dimension].iter().any(|r| !(low - SAME..=1.0 + SAME).contains(r))
             || (self.element.is_simplex() && reference[0] + reference[1] > 1.0 + SAME)
         {
             return None;
@@ -164,7 +164,7 @@ fn normals(surface: &Surface) -> HashMap<u32, Coordinates> {
     let mut normals: HashMap<u32, Coordinates> = HashMap::new();
     for face in surface.faces {
         let patch = Patch::new(surface, *face);
-        for (node, reference) in patch.nodes.iter().zip(patch.element.nodes()) {
+        for (node, reference) in patch.nodes.iter().zip(patch.element.nodes) {
             let normal = patch.normal(&patch.at(*reference));
             let sum = normals.entry(*node).or_default();
             (0..3).for_each(|i| sum[i] += normal[i]);

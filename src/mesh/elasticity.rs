@@ -33,8 +33,8 @@ pub struct Material {
 }
 
 impl Material {
-    /// The Lamé constants (lambda, mu), Pa; `plane` is `None` in space.
-    fn lame(&self, plane: Option<Plane>) -> (f64, f64) {
+    /// The Lamé constants (lambda, mu), Pa, lambda of plane stress as above; `plane` is `None` in space.
+    pub(super) fn lame(&self, plane: Option<Plane>) -> (f64, f64) {
         let (e, nu) = (self.youngs_modulus, self.poissons_ratio);
         let mu = e / (2.0 * (1.0 + nu));
         let lambda = match plane {
@@ -56,7 +56,7 @@ pub enum Lumping {
 
 impl Lumping {
     /// Row sums for first order, the scaled diagonal for second order.
-    pub fn of(element: &dyn Element) -> Self {
+    pub fn of(element: &Element) -> Self {
         if element.order() == 1 { Self::RowSums } else { Self::ScaledDiagonal }
     }
 }
@@ -81,11 +81,11 @@ pub(super) fn inverse(j: &[Coordinates; 3]) -> (f64, [Coordinates; 3]) {
     (determinant, adjugate.map(|row| row.map(|entry| entry / determinant)))
 }
 
-fn samples(element: &dyn Element, nodes: &[Coordinates]) -> Result<Vec<Sample>, Refusal> {
-    let dimension = element.dimension();
-    let mut samples = Vec::with_capacity(element.quadrature().len());
-    for point in element.quadrature() {
-        let shape = element.shape(point.at);
+fn samples(element: &Element, nodes: &[Coordinates]) -> Result<Vec<Sample>, Refusal> {
+    let dimension = element.dimension;
+    let mut samples = Vec::with_capacity(element.quadrature.len());
+    for point in element.quadrature {
+        let shape = (element.shape)(point.at);
         let mut jacobian = [[0.0; 3], [0.0; 3], [0.0; 3]];
         (dimension..3).for_each(|i| jacobian[i][i] = 1.0);
         for (x, gradient) in nodes.iter().zip(&shape.gradients) {
@@ -97,7 +97,7 @@ fn samples(element: &dyn Element, nodes: &[Coordinates]) -> Result<Vec<Sample>, 
         // Also refuses NaN.
         if !(determinant > 0.0 && determinant.is_finite()) {
             return Err(Refusal::new(
-                format!("Jacobian determinant of the {}", element.name()),
+                format!("Jacobian determinant of the {}", element.name),
                 determinant,
                 "a positive one: nodes in the order of the element type (counter-clockwise in the plane), no collapsed or folded element",
             ));
@@ -128,12 +128,12 @@ impl ElementMatrices {
     /// # Errors
     /// A Jacobian determinant that is not positive at a quadrature point.
     pub fn new(
-        element: &dyn Element,
+        element: &Element,
         nodes: &[Coordinates],
         material: &Material,
         plane: Option<Plane>,
     ) -> Result<Self, Refusal> {
-        let (n, d) = (nodes.len(), element.dimension());
+        let (n, d) = (nodes.len(), element.dimension);
         let size = n * d;
         let (lambda, mu) = material.lame(plane);
         let (mut stiffness, mut mass) = (vec![0.0; size * size], vec![0.0; n * n]);
@@ -158,16 +158,16 @@ impl ElementMatrices {
     ///
     /// # Errors
     /// Row sums of a second-order element, which may be negative.
-    pub fn lumped(&self, element: &dyn Element, lumping: Lumping) -> Result<Vec<f64>, Refusal> {
+    pub fn lumped(&self, element: &Element, lumping: Lumping) -> Result<Vec<f64>, Refusal> {
         if lumping == Lumping::RowSums && element.order() > 1 {
             let allowed = "the scaled diagonal for second order, since row sums may be negative";
-            return Err(Refusal::new("lumping", format!("row sums of {}", element.name()), allowed));
+            return Err(Refusal::new("lumping", format!("row sums of {}", element.name), allowed));
         }
         Ok(self.diagonal(element, lumping))
     }
 
-    fn diagonal(&self, element: &dyn Element, lumping: Lumping) -> Vec<f64> {
-        let n = element.nodes().len();
+    fn diagonal(&self, element: &Element, lumping: Lumping) -> Vec<f64> {
+        let n = element.nodes.len();
         if lumping == Lumping::RowSums {
             return self.mass.chunks(n).map(|row| row.iter().sum()).collect();
         }
@@ -177,13 +177,48 @@ impl ElementMatrices {
     }
 
     /// (1 - gamma) consistent + gamma lumped, by rows, kg; the same in each direction.
-    pub fn mass(&self, element: &dyn Element, gamma: f64) -> Vec<f64> {
-        let n = element.nodes().len();
+    pub fn mass(&self, element: &Element, gamma: f64) -> Vec<f64> {
+        let n = element.nodes.len();
         let mut mass: Vec<f64> = self.mass.iter().map(|m| (1.0 - gamma) * m).collect();
         let lumped = self.diagonal(element, Lumping::of(element));
         lumped.iter().enumerate().for_each(|(a, m)| mass[a * n + a] += gamma * m);
         mass
     }
+}
+
+/// The mean stress of an element with its nodes at `nodes` (m) and displacements u (m, `node d + direction`), Pa: xx, yy, zz,
+/// xy, yz, xz. With plane strain zz is what holds the plane, with plane stress 0.
+///
+/// # Errors
+/// As [`ElementMatrices::new`].
+pub fn mean_stress(
+    element: &Element,
+    nodes: &[Coordinates],
+    material: &Material,
+    plane: Option<Plane>,
+    u: &[f64],
+) -> Result<[f64; 6], Refusal> {
+    let d = element.dimension;
+    let (lambda, mu) = material.lame(plane);
+    let (mut gradient, mut volume) = ([[0.0; 3]; 3], 0.0);
+    for sample in samples(element, nodes)? {
+        volume += sample.volume;
+        for (a, g) in sample.gradients[..nodes.len()].iter().enumerate() {
+            for i in 0..d {
+                (0..d).for_each(|j| gradient[i][j] += sample.volume * u[a * d + i] * g[j]);
+            }
+        }
+    }
+    let strain = |i: usize, j: usize| 0.5 * (gradient[i][j] + gradient[j][i]) / volume;
+    let trace: f64 = (0..d).map(|i| strain(i, i)).sum();
+    let across = match plane {
+        Some(Plane::Stress) => 0.0,
+        Some(Plane::Strain) => lambda * trace,
+        None => lambda * trace + 2.0 * mu * strain(2, 2),
+    };
+    let along = |i: usize| lambda * trace + 2.0 * mu * strain(i, i);
+    let shear = |i: usize, j: usize| 2.0 * mu * strain(i, j);
+    Ok([along(0), along(1), across, shear(0, 1), shear(1, 2), shear(0, 2)])
 }
 
 /// Adds one quadrature point to the blocks (a, b) with a <= b.

@@ -235,11 +235,11 @@ fn cuboid(source: &Source, i: usize, text: &Spanned<BodyText>) -> Result<Cuboid,
         values.cells.as_ref().ok_or_else(|| missing("cells"))?,
     );
     let kind = *element.get_ref();
-    if kind.element().dimension() != source.dimension {
+    if kind.element().dimension != source.dimension {
         let names: Vec<_> = Kind::ALL.iter().map(|kind| kind.element()).collect();
-        let names = names.iter().filter(|element| element.dimension() == source.dimension);
-        let allowed = names.map(|element| element.name()).collect::<Vec<_>>().join(" ");
-        return Err(source.refuse(&key("element"), element, kind.element().name(), &allowed));
+        let names = names.iter().filter(|element| element.dimension == source.dimension);
+        let allowed = names.map(|element| element.name).collect::<Vec<_>>().join(" ");
+        return Err(source.refuse(&key("element"), element, kind.element().name, &allowed));
     }
     let counts = cells.get_ref();
     if counts.len() != source.dimension || counts.iter().any(|n| *n < 1) {

@@ -377,7 +377,7 @@ fn surfaces(
         }
     }
     for e in 0..mesh.elements() {
-        for side in 0..mesh.kind(e).element().faces().len() {
+        for side in 0..mesh.kind(e).element().faces.len() {
             let face = Face { element: e as u32, side: side as u8 };
             if let Some((_, faces)) = wanted.get_mut(&key(mesh.face(face).0)) {
                 faces.push(face);

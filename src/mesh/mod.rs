@@ -34,11 +34,14 @@ pub mod element;
 mod file;
 pub mod gmsh;
 mod partition;
+mod row;
 mod scene;
+mod stress;
 pub mod structured;
 pub mod topology;
 mod vtu;
 
 pub use assembly::{Body, Elements, HELD};
 pub use scene::{Assembled, BodySource, MeshImpact, MeshScene, Opponent, Place, SurfaceContact, SurfaceName};
-pub use vtu::Field;
+pub use stress::von_mises;
+pub use vtu::{Field, write_pvd};

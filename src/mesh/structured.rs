@@ -56,8 +56,8 @@ struct Lattice {
 }
 
 impl Lattice {
-    fn new(cuboid: &Cuboid, element: &dyn Element) -> Self {
-        let (order, dimension) = (element.order(), element.dimension());
+    fn new(cuboid: &Cuboid, element: &Element) -> Self {
+        let (order, dimension) = (element.order(), element.dimension);
         let points: [usize; 3] =
             std::array::from_fn(|k| if k < dimension { order * cuboid.cells[k] + 1 } else { 1 });
         let mut lattice = Self { order, points, number: Vec::new(), nodes: Vec::new() };
@@ -87,7 +87,7 @@ impl Cuboid {
     /// Nodes of this box, before it is built; `None` beyond what can be counted.
     pub fn node_count(&self) -> Option<usize> {
         let element = self.kind.element();
-        let (order, d) = (element.order(), element.dimension());
+        let (order, d) = (element.order(), element.dimension);
         let product = |per_cell: usize| {
             self.cells[..d]
                 .iter()
@@ -110,8 +110,8 @@ impl Cuboid {
         let lattice = Lattice::new(self, element);
         let mut mesh = Mesh { congruent: Some(cell(self.kind).len()), ..Mesh::default() };
         let (edges, d): (Vec<_>, _) = (
-            (0..element.nodes().len()).map(|a| element.edge_of(a).unwrap_or([a; 2])).collect(),
-            element.dimension(),
+            (0..element.nodes.len()).map(|a| element.edge_of(a).unwrap_or([a; 2])).collect(),
+            element.dimension,
         );
         let depth = if d == 3 { self.cells[2] } else { 1 };
         for at in 0..self.cells[0] * self.cells[1] * depth {
@@ -138,13 +138,13 @@ impl Cuboid {
     }
 
     /// Adds the faces of the element to come, whose nodes are at `places`, to the sides that they lie in.
-    fn name_sides(&self, mesh: &mut Mesh, element: &dyn Element, places: &[[usize; 3]], points: &[usize; 3]) {
-        for (axis, names) in SIDES.iter().enumerate().take(element.dimension()) {
+    fn name_sides(&self, mesh: &mut Mesh, element: &Element, places: &[[usize; 3]], points: &[usize; 3]) {
+        for (axis, names) in SIDES.iter().enumerate().take(element.dimension) {
             for (name, end) in names.iter().zip([0, points[axis] - 1]) {
                 if places.iter().all(|place| place[axis] != end) {
                     continue;
                 }
-                for (side, face) in element.faces().iter().enumerate() {
+                for (side, face) in element.faces.iter().enumerate() {
                     if face.iter().all(|a| places[*a][axis] == end) {
                         let face = Face { element: mesh.elements() as u32, side: side as u8 };
                         mesh.surfaces.entry((*name).to_owned()).or_default().push(face);
@@ -164,15 +164,15 @@ mod tests {
         for kind in Kind::ALL {
             let cuboid = Cuboid { size: [3.0, 2.0, 1.0], cells: [3, 2, 4], origin: [0.5, 0.0, -1.0], kind };
             let (mesh, element) = (cuboid.mesh(), kind.element());
-            assert_eq!(cuboid.node_count(), Some(mesh.nodes.len()), "{}", element.name());
+            assert_eq!(cuboid.node_count(), Some(mesh.nodes.len()), "{}", element.name);
             let mut used = mesh.connectivity.clone();
             used.sort_unstable();
             used.dedup();
             assert_eq!(used.len(), mesh.nodes.len());
-            assert_eq!(mesh.surfaces.len(), 2 * element.dimension());
+            assert_eq!(mesh.surfaces.len(), 2 * element.dimension);
             let split = if element.is_simplex() { 2 } else { 1 };
-            let right = if element.dimension() == 3 { 8 * split } else { 2 };
-            assert_eq!(mesh.surfaces["right"].len(), right, "{}", element.name());
+            let right = if element.dimension == 3 { 8 * split } else { 2 };
+            assert_eq!(mesh.surfaces["right"].len(), right, "{}", element.name);
             let nodes = mesh.nodes_of(&mesh.surfaces["top"]);
             assert!(nodes.iter().all(|node| mesh.nodes[*node as usize][1] == 2.0));
         }

@@ -61,7 +61,7 @@ impl Mesh {
         self.nodes = old.iter().map(|x| f(*x)).collect();
         for e in 0..self.elements() {
             let (element, nodes) = (self.kind(e).element(), self.element(e).to_vec());
-            for a in element.corners()..nodes.len() {
+            for a in element.corners..nodes.len() {
                 if let Some([b, c]) = element.edge_of(a) {
                     let [b, c] = [b, c].map(|end| self.nodes[nodes[end] as usize]);
                     self.nodes[nodes[a] as usize] = std::array::from_fn(|i| 0.5 * (b[i] + c[i]));
@@ -72,11 +72,11 @@ impl Mesh {
     }
 
     /// The nodes of a face and the element that it is.
-    pub fn face(&self, face: Face) -> (Vec<u32>, &'static dyn Element) {
+    pub fn face(&self, face: Face) -> (Vec<u32>, &'static Element) {
         let element = self.kind(face.element as usize).element();
         let nodes = self.element(face.element as usize);
-        let local = element.faces()[face.side as usize];
-        (local.iter().map(|a| nodes[*a]).collect(), element.face())
+        let local = element.faces[face.side as usize];
+        (local.iter().map(|a| nodes[*a]).collect(), element.face)
     }
 
     /// The nodes of some faces, ascending, each once.

@@ -16,8 +16,12 @@ const LINE: usize = 12;
 pub enum Field<'a> {
     /// A vector on the free degrees of freedom, such as a mode; held ones are 0.
     Displacement(&'a [f64]),
+    /// A number for each node.
+    Nodes(&'a [f64]),
     /// A number for each element.
     Cells(&'a [f64]),
+    /// A symmetric tensor for each element: xx, yy, zz, xy, yz, xz, as ParaView has them.
+    Tensors(&'a [[f64; 6]]),
 }
 
 impl Elements {
@@ -34,15 +38,25 @@ impl Elements {
         self.write_mesh(out)?;
         writeln!(out, "<PointData>")?;
         for (name, field) in fields {
-            if let Field::Displacement(u) = field {
-                array(out, &format!("Float64\" Name=\"{name}\" NumberOfComponents=\"3"), self.on_nodes(u))?;
+            match field {
+                Field::Displacement(u) => {
+                    let what = format!("Float64\" Name=\"{name}\" NumberOfComponents=\"3");
+                    array(out, &what, self.on_nodes(u))?;
+                }
+                Field::Nodes(values) => array(out, &format!("Float64\" Name=\"{name}"), values.iter())?,
+                Field::Cells(_) | Field::Tensors(_) => (),
             }
         }
         writeln!(out, "</PointData>\n<CellData>")?;
         array(out, "Int32\" Name=\"body", (0..self.len()).map(|e| self.body(e)))?;
         for (name, field) in fields {
-            if let Field::Cells(values) = field {
-                array(out, &format!("Float64\" Name=\"{name}"), values.iter())?;
+            match field {
+                Field::Cells(values) => array(out, &format!("Float64\" Name=\"{name}"), values.iter())?,
+                Field::Tensors(values) => {
+                    let what = format!("Float64\" Name=\"{name}\" NumberOfComponents=\"6");
+                    array(out, &what, values.as_flattened().iter())?;
+                }
+                Field::Displacement(_) | Field::Nodes(_) => (),
             }
         }
         writeln!(out, "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>")
@@ -62,7 +76,7 @@ impl Elements {
         let kinds = self
             .bodies
             .iter()
-            .flat_map(|body| (0..body.mesh.elements()).map(|e| body.mesh.kind(e).element().vtk_cell()));
+            .flat_map(|body| (0..body.mesh.elements()).map(|e| body.mesh.kind(e).element().vtk_cell));
         array(out, "UInt8\" Name=\"types", kinds)?;
         writeln!(out, "</Cells>")
     }
@@ -76,6 +90,18 @@ impl Elements {
         };
         (0..self.first[self.bodies.len()].0).flat_map(move |node| (0..3).map(move |i| entry(node, i)))
     }
+}
+
+/// Writes the collection `.pvd` that ParaView plays: the files of a run with their times, s.
+///
+/// # Errors
+/// What the writer reports.
+pub fn write_pvd(out: &mut dyn Write, frames: &[(f64, String)]) -> io::Result<()> {
+    writeln!(out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>")?;
+    for (time, file) in frames {
+        writeln!(out, "<DataSet timestep=\"{time}\" file=\"{file}\"/>")?;
+    }
+    writeln!(out, "</Collection>\n</VTKFile>")
 }
 
 fn array<T: Display>(out: &mut dyn Write, what: &str, values: impl Iterator<Item = T>) -> io::Result<()> {

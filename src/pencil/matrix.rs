@@ -115,19 +115,18 @@ impl Matrix {
     }
 
     /// Columns and entries of row i, ascending.
-    pub fn row(&self, i: usize) -> Box<dyn Iterator<Item = (usize, f64)> + '_> {
-        match self {
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let (near, (columns, values)) = match self {
             Self::Chain(a) => {
                 let left = (i > 0).then(|| (i - 1, a.left(i)));
                 let right = (i + 1 < a.diagonal.len()).then(|| (i + 1, a.right(i)));
-                Box::new(left.into_iter().chain([(i, a.diagonal[i])]).chain(right))
+                ([left, Some((i, a.diagonal[i])), right], (&[][..], &[][..]))
             }
-            Self::Diagonal(d) => Box::new(std::iter::once((i, d[i]))),
-            Self::Sparse(a) => {
-                let (columns, values) = a.row(i);
-                Box::new(columns.iter().zip(values).map(|(j, a)| (*j as usize, *a)))
-            }
-        }
+            Self::Diagonal(d) => ([Some((i, d[i])), None, None], (&[][..], &[][..])),
+            Self::Sparse(a) => ([None; 3], a.row(i)),
+        };
+        let sparse = columns.iter().zip(values).map(|(j, a)| (*j as usize, *a));
+        near.into_iter().flatten().chain(sparse)
     }
 
     /// y = A x; rows of a sparse matrix in parallel, with a result that does not depend on the number of threads.

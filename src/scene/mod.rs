@@ -55,6 +55,12 @@ pub struct Bar {
 }
 
 impl Bar {
+    /// A bar at rest with E = rho = A = h = 1.
+    pub const fn unit(elements: usize) -> Self {
+        let length = elements as f64;
+        Self { length, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 }
+    }
+
     /// Element length h, m.
     pub fn element_length(&self) -> f64 {
         self.length / self.elements as f64

@@ -93,9 +93,7 @@ impl Body {
     /// What the leapfrog energy of n - 1/2 has beyond kinetic and strain energy at n, J: -dt^2/8 a'M a, and half the work of
     /// the present reactions over the step before.
     pub(super) fn leapfrog_shadow(&self, state: &State, kick: &[f64]) -> f64 {
-        let halves =
-            state.force.iter().zip(&state.last_gap_change).map(|(force, change)| 0.5 * force * change);
-        halves.sum::<f64>() - 0.125 * self.pencil.mass().quadratic(kick, kick)
+        state.half_work() - 0.125 * self.pencil.mass().quadratic(kick, kick)
     }
 
     /// f'x.
@@ -103,16 +101,22 @@ impl Body {
         self.load.iter().zip(x).map(|(f, x)| f * x).sum()
     }
 
-    /// m - dt^2 s of each contact, kg, and whether 1/2 < q <= 1, q = dt^2 s mu/(1 + m mu): sums of gap and gap rate would
-    /// then cancel.
+    /// m - dt^2 s of each contact, kg, and where sums of gap and gap rate would cancel: 1/2 < q <= 1, q = dt^2 s mu/(1 + m mu).
+    ///
+    /// Of contacts that act on each other the matrix Q = dt^2 (1 + a mu S)^-1 mu S must not exceed 1 either, as a rounding
+    /// is multiplied by -Q in each step where three numbers are kept. With N = S^1/2 mu S^1/2 the part of Q for some
+    /// contacts is no larger than what their part of N gives (x/(1 + a x) is operator concave and 0 at 0), and that is at
+    /// most 1 if (dt^2 - a) N is. So it is if (dt^2 - a) s_j sum_i |mu_ji| <= 1 in each row (Gershgorin).
     pub(super) fn relief(&self) -> (Vec<f64>, Vec<bool>) {
+        let contacts = &self.contacts;
         let relief = |(s, m): &(f64, f64)| difference(*m, self.dt, *s);
-        let relief: Vec<f64> = self.contacts.terms.iter().map(relief).collect();
+        let relief: Vec<f64> = contacts.terms.iter().map(relief).collect();
         let delicate = |(j, (_, m)): (usize, &(f64, f64))| {
-            let mu = self.contacts.compliance(j);
-            (0.0..0.5).contains(&((1.0 + mu * relief[j]) / (1.0 + mu * m)))
+            let mu = contacts.compliance(j);
+            let kept = (1.0 + mu * relief[j]) / (1.0 + mu * m);
+            (0.0..0.5).contains(&kept) && -relief[j] * contacts.compliance_sum(j) <= 1.0
         };
-        let delicate = self.contacts.terms.iter().enumerate().map(delicate).collect();
+        let delicate = contacts.terms.iter().enumerate().map(delicate).collect();
         (relief, delicate)
     }
 }

@@ -216,6 +216,15 @@ impl Contacts {
         }
     }
 
+    /// sum_i |mu_ji|, 1/kg.
+    pub(super) fn compliance_sum(&self, j: usize) -> f64 {
+        let near = match &self.coupling {
+            Coupling::Neighbours { .. } => j.saturating_sub(1)..self.len().min(j + 2),
+            Coupling::Full { .. } => 0..self.len(),
+        };
+        near.map(|i| self.mu(j, i).abs()).sum()
+    }
+
     /// Whether no contact moves the gap of another one: mu is diagonal.
     pub(super) fn act_apart(&self) -> bool {
         match &self.coupling {

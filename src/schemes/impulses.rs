@@ -38,21 +38,6 @@ pub(super) trait Law: Debug + Send + Sync {
     fn landing(&self, gap: f64, rate: f64, dt: f64) -> Option<Landing>;
 }
 
-/// The forward increment: the gap is closed at the end of the step, not opened. A contact that was penetrated a step ago,
-/// which a start may do, is only thrown back as fast as it came, y = -x.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ForwardIncrement;
-
-impl Law for ForwardIncrement {
-    fn landing(&self, gap: f64, rate: f64, dt: f64) -> Option<Landing> {
-        let was_open = gap - dt * rate <= 4.0 * f64::EPSILON * (gap.abs() + dt * rate.abs());
-        Some(match was_open {
-            true => Landing { rate: -gap / dt, gap: 0.0 },
-            false => Landing { rate: -rate, gap: gap - dt * rate },
-        })
-    }
-}
-
 /// A mass on a spring between the contact and the ground, or between two bodies.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Buffer {

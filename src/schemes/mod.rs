@@ -56,7 +56,7 @@ pub use moreau_jean::MoreauJean;
 pub use name::SchemeName;
 pub use operator::Operator;
 pub use paoli_schatzman::PaoliSchatzman;
-pub use park::Park;
+pub use park::{Fractions, Park};
 pub use predictor_corrector::{ClosedLimit, PredictorCorrector};
 pub use state::{ContactRule, State};
 
@@ -97,7 +97,8 @@ pub struct Facts {
     pub search: ContactSearch,
     /// How growth begins above the limit.
     pub onset: Onset,
-    /// Whether one contact that opens and closes is proven to add no energy below the limit; see `verify::opening`.
+    /// Whether contacts that open and close are proven to add no energy below the limit, or what bounds it from below, in
+    /// exact arithmetic and from an open start; see `verify::opening`.
     pub gains_nothing: bool,
     /// lambda, the reaction that enters the momentum balance.
     pub reaction: &'static str,
@@ -122,6 +123,11 @@ pub trait Scheme: Debug + Send + Sync {
         displacement: Vec<f64>,
         velocity: Vec<f64>,
     ) -> Result<Box<dyn Motion>, Refusal>;
+
+    /// The Park scheme, if this is it: the one scheme whose limit on any mesh is told by the flexibility of the contacts.
+    fn as_park(&self) -> Option<Park> {
+        None
+    }
 
     /// The largest step while every contact of `pencil` is closed; `spectrum` is an engine of the same pencil.
     ///

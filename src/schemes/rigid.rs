@@ -1,8 +1,35 @@
-//! What the schemes without penalty share: a restitution, and a limit that closed contact does not lower.
+//! What the schemes without penalty share: rigid stops, a restitution, and a limit that closed contact does not lower.
 
+use super::impulses::{Buffer, Law, Steps};
+use super::{Facts, Motion, Scheme, System};
 use crate::error::Refusal;
-use crate::pencil::Penalty;
+use crate::pencil::{Penalty, Pencil};
 use crate::spectrum::{Engine, Step, StepLimit, Uncertified};
+
+/// A law for rigid stops, which makes a scheme.
+pub(super) trait RigidLaw: Law + Copy + 'static {
+    /// See [`Scheme::facts`].
+    fn facts(&self) -> Facts;
+}
+
+impl<L: RigidLaw> Scheme for L {
+    fn facts(&self) -> Facts {
+        RigidLaw::facts(self)
+    }
+
+    fn start(&self, system: System<'_>, u: Vec<f64>, v: Vec<f64>) -> Result<Box<dyn Motion>, Refusal> {
+        let buffers = vec![Buffer::RIGID; system.pencil.gaps().len()];
+        Ok(Box::new(Steps::start(*self, buffers, &system, u, v)?))
+    }
+
+    fn limit<'a>(
+        &self,
+        _pencil: &'a Pencil,
+        spectrum: Box<dyn Engine + 'a>,
+    ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
+        Ok(Box::new(ContactFree(spectrum)))
+    }
+}
 
 /// Of the gap (Paoli, Schatzman) or of the gap rate (Moreau, Jean) that an impact gives back, in [0, 1).
 #[derive(Debug, Clone, Copy, PartialEq)]

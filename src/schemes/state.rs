@@ -106,6 +106,11 @@ impl State {
         }
     }
 
+    /// Half the work of the reactions over the step before, J.
+    pub(super) fn half_work(&self) -> f64 {
+        self.force.iter().zip(&self.last_gap_change).map(|(force, change)| 0.5 * force * change).sum()
+    }
+
     /// s g^2/2 + m (Z'v)^2/2 of the closed contacts, J, with s and m by contacts and Z'v half of `gap_kick` after that of the
     /// state: what they store where the mass penalty is an inertia.
     pub(super) fn penalty_energy(&self, terms: &[(f64, f64)], gap_kick: &[f64]) -> f64 {

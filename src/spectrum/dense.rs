@@ -60,18 +60,21 @@ pub(super) fn roundings(pencil: &Pencil) -> f64 {
     (4 * longest + 8) as f64
 }
 
-/// K + K_p and M + M_p, dense n x n, with an unknown of every gap replaced by the gap where one is its own.
-pub fn in_gap_coordinates(pencil: &Pencil, penalty: &Penalty) -> (Mat<f64>, Mat<f64>) {
+/// K + K_p and M + M_p, dense n x n, with the [`replaced`] unknown of every gap that has one replaced by the gap.
+pub fn in_gap_coordinates(
+    pencil: &Pencil,
+    penalty: &Penalty,
+    replaced: &[Option<usize>],
+) -> (Mat<f64>, Mat<f64>) {
     let mut k = dense(pencil.stiffness());
     let mut m = dense(pencil.mass());
-    let replaced = replaced(pencil);
     // The sizes of the terms of a gap: s, m and what the diagonalised form adds to each node instead of m.
     let terms = |gap: &Gap| {
         let (s, mass) = penalty.of(gap.scale);
         let spread = penalty.form == PenaltyMass::Diagonalised && gap.column.0.len() > 1;
         if spread { (s, 0.0, mass) } else { (s, mass, 0.0) }
     };
-    for (gap, replaced) in pencil.gaps().iter().zip(&replaced) {
+    for (gap, replaced) in pencil.gaps().iter().zip(replaced) {
         let (s, mass, spread) = terms(gap);
         let entries = || gap.column.0.iter().map(|(i, z)| (*i as usize, *z));
         let all: f64 = entries().map(|(_, z)| z.abs()).sum();
@@ -83,7 +86,7 @@ pub fn in_gap_coordinates(pencil: &Pencil, penalty: &Penalty) -> (Mat<f64>, Mat<
             }
         }
     }
-    for (gap, node) in pencil.gaps().iter().zip(&replaced).filter_map(|(gap, node)| Some((gap, (*node)?))) {
+    for (gap, node) in pencil.gaps().iter().zip(replaced).filter_map(|(gap, node)| Some((gap, (*node)?))) {
         // x_node = (q - sum z_i x_i)/z: a column of the congruence for each other entry.
         let own = gap.column.0.iter().find(|(i, _)| *i as usize == node).map_or(1.0, |(_, z)| *z);
         for (i, z) in gap.column.0.iter().filter(|(i, _)| *i as usize != node) {
@@ -95,7 +98,7 @@ pub fn in_gap_coordinates(pencil: &Pencil, penalty: &Penalty) -> (Mat<f64>, Mat<
             scale_row_and_column(matrix, node, own.abs());
         }
     }
-    for (gap, node) in pencil.gaps().iter().zip(&replaced).filter_map(|(gap, node)| Some((gap, (*node)?))) {
+    for (gap, node) in pencil.gaps().iter().zip(replaced).filter_map(|(gap, node)| Some((gap, (*node)?))) {
         let (s, mass, _) = terms(gap);
         k[(node, node)] += s;
         m[(node, node)] += mass;
@@ -104,7 +107,7 @@ pub fn in_gap_coordinates(pencil: &Pencil, penalty: &Penalty) -> (Mat<f64>, Mat<
 }
 
 /// The unknown that each gap replaces: the lightest that no other gap moves.
-fn replaced(pencil: &Pencil) -> Vec<Option<usize>> {
+pub fn replaced(pencil: &Pencil) -> Vec<Option<usize>> {
     let mut moved_by = vec![0_u32; pencil.size()];
     pencil.gaps().iter().flat_map(|gap| &gap.column.0).for_each(|(i, _)| moved_by[*i as usize] += 1);
     let lightest = |gap: &Gap| {
@@ -118,11 +121,12 @@ fn replaced(pencil: &Pencil) -> Vec<Option<usize>> {
 /// meets on its way, nearly decoupled by its penalties, past every later node, at a unit of rounding of l_max each;
 /// at the end it stays where it is.
 pub fn with_gaps_last(pencil: &Pencil, penalty: &Penalty) -> (Mat<f64>, Mat<f64>) {
-    let gaps: Vec<usize> = replaced(pencil).into_iter().flatten().collect();
+    let replaced = replaced(pencil);
+    let gaps: Vec<usize> = replaced.iter().copied().flatten().collect();
     let others = (0..pencil.size()).filter(|node| !gaps.contains(node));
     let order: Vec<usize> = others.chain(gaps.iter().copied()).collect();
     let ordered = |a: Mat<f64>| Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(order[i], order[j])]);
-    let (k, m) = in_gap_coordinates(pencil, penalty);
+    let (k, m) = in_gap_coordinates(pencil, penalty, &replaced);
     (ordered(k), ordered(m))
 }
 

@@ -6,7 +6,7 @@ use lapack::{dsbgvx, dsygvx};
 use nalgebra::DMatrix;
 use nalgebra_lapack::{Cholesky, SymmetricEigen};
 
-use super::dense::{in_gap_coordinates, with_gaps_last};
+use super::dense::{in_gap_coordinates, replaced, with_gaps_last};
 use super::{Enclosure, Engine, Sturm, Uncertified, WIDEST_ENCLOSURE};
 use crate::pencil::{ChainPencil, Penalty, Pencil, Tridiagonal};
 
@@ -54,7 +54,7 @@ pub fn full(matrix: &Tridiagonal) -> DMatrix<f64> {
 
 /// K + K_p and M + M_p, dense n x n, in gap coordinates (the gap is a node of its own), in the order of the row.
 pub fn gap_matrices(pencil: &Pencil, penalty: &Penalty) -> (DMatrix<f64>, DMatrix<f64>) {
-    let (k, m) = in_gap_coordinates(pencil, penalty);
+    let (k, m) = in_gap_coordinates(pencil, penalty, &replaced(pencil));
     (columns(k), columns(m))
 }
 

@@ -85,6 +85,7 @@ impl ClosedForm {
     }
 
     /// l_max without its proof: what the proof costs can then be measured.
+    #[inline]
     pub fn unproven(&self, penalty: &Penalty) -> f64 {
         penalty.with_terms(&self.scales, |terms| self.estimate(terms, None))
     }

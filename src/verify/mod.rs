@@ -5,10 +5,13 @@
 //! [`Search::steps`] steps, a number N that follows from scheme and tolerance, and watches the size of the motion,
 //!
 //! ```text
-//! sqrt(v'M v + u'K u)
+//! sqrt(v'M v + u'K u + 2 |what the closed contacts store|)
 //! ```
-//! which neither the exchange of kinetic and strain energy nor rigid motion moves: rigid motion is no growth, though its
-//! displacement grows without bound. The motion grows if the size exceeds its start by the factor
+//! which neither the exchange of kinetic, strain and contact energy nor rigid motion moves: rigid motion is no growth,
+//! though its displacement grows without bound. What contacts store is the scheme's ([`Energy::penalty`]): with the kinetic
+//! energy of the mass penalty for central differences, where it is an inertia. It counts at the start too, and gap rates
+//! begin so small that contacts and bodies hold about the same; a stiff penalty would else begin with beta_s times the
+//! energy of the bodies and hand it to them. The motion grows if the size exceeds its start by the factor
 //!
 //! ```text
 //! threshold = 3/sqrt(tolerance)
@@ -20,8 +23,9 @@
 //! N >= 100/sqrt(tolerance)      and      3/8 N dt >= 10 T      T = bound of the period of the slowest swing
 //! ```
 //!
-//! *Threshold.* Below its limit by the relative distance e, central difference amplitudes reach 1/sqrt(8 e): a stable
-//! trial is taken for unstable only where e is a fraction of the tolerance. Above it they grow by 2 sqrt(2 e) a step, so
+//! *Threshold.* Below its limit by the relative distance e, the size of central differences stays below 1/sqrt(2 e) times
+//! its start, as 1 - dt^2 l/4 >= 2 e to first order in each mode: a stable trial is taken for unstable only where e is below
+//! a 1/18 of the tolerance. Above it they grow by 2 sqrt(2 e) a step, so
 //! that 13/sqrt(tolerance) steps give e^18 at e = tolerance/4. The other schemes damp what reaches the contact and grow
 //! by about e a step above their limits, sometimes by far less ([`Prediction::growth`]): they are given 100/tolerance.
 //!
@@ -54,17 +58,19 @@
 //! tried on p = 1). A limit beyond which all growth is slower than that is reported as none.
 //!
 //! # What is used
-//! K and M, in the size, and the contact terms, through the stepper. No eigenvalue and no amplification matrix enters a
+//! K, M and the contact terms, through the stepper and its energies. No eigenvalue and no amplification matrix enters a
 //! trial, with one exception: the Park scheme has the contact-free critical step dt_c as a parameter, and that comes
 //! from the contact-free spectrum.
 
 mod any;
 mod lattice;
+mod linear;
 mod prediction;
 mod slowest;
 mod trial;
 
 pub use any::{Seconds, check_any, confirm_any, limit_of_any, points_of, predict_any};
+pub use linear::{Basis, LinearStep, STEPPED_TO, linear_step};
 pub use prediction::{Confirmation, Prediction, Predictor, confirm};
 pub use trial::LATE_RISE;
 
@@ -75,6 +81,8 @@ use rayon::prelude::*;
 use crate::error::Refusal;
 use crate::penalty::{Ratio, StiffnessPenalty};
 use crate::pencil::Penalty;
+#[cfg(doc)]
+use crate::schemes::Energy;
 use crate::schemes::{Onset, Scheme};
 use crate::spectrum::Evidence;
 use crate::stability::Model;

@@ -21,13 +21,19 @@
 //! the next switch may give it back. A gain counts if it exceeds the mean energy of one element, E_in/elements: then the
 //! errors of several switches have added up.
 //!
-//! # The predictor-corrector does not gain (one contact, dt^2 s' mu <= 1; proven in exact arithmetic)
-//! The corrected gap is g = (1 - dt^2 s' mu) g_pred, of the sign of g_pred. So the reaction is lambda = k max(g, 0) with
-//! k = s'/(1 - dt^2 s' mu) >= 0 of the *new* gap: the slope at g of the convex f(g) = k max(g, 0)^2/2. Its balance
-//! has the work lambda_n (g_n - g_{n-2})/2 >= (f(g_n) - f(g_{n-2}))/2, whose sum telescopes: from an open start
-//! W_n >= (f(g_n) + f(g_{n-1}))/2 >= 0, for any mass matrix and load and any sequence of switches. At dt^2 s' mu = 1, f is the barrier g <= 0. So with one contact
-//! and C <= 1 the limit of the closed contact is the limit of the scheme. In f64 it holds to rounding (measured on every run that is made, at the
-//! tolerance of its row); for several contacts it is neither proven nor refuted here, and measured on the scenes that are run.
+//! # The predictor-corrector does not gain (any contacts, below the bound of the step; proven in exact arithmetic)
+//! One contact, dt^2 s' mu <= 1: the corrected gap is g = (1 - dt^2 s' mu) g_pred, of the sign of g_pred. So the reaction is
+//! lambda = k max(g, 0) with k = s'/(1 - dt^2 s' mu) >= 0 of the *new* gap: the slope at g of the convex f(g) =
+//! k max(g, 0)^2/2. Its balance has the work lambda_n (g_n - g_{n-2})/2 >= (f(g_n) - f(g_{n-2}))/2, whose sum telescopes: from
+//! an open start W_n >= (f(g_n) + f(g_{n-1}))/2 >= 0, for any mass matrix and load and any sequence of switches. At
+//! dt^2 s' mu = 1, f is the barrier g <= 0. Several contacts, dt^2 < a + 1/l_max(S G): the same with a convex f of all gaps,
+//! as reactions that act on each other are found together (beside the step in `schemes/predictor_corrector/motion.rs`). So
+//! with C <= 1 what limits closed contact limits the scheme. In f64 it holds to rounding (measured on every run that is made,
+//! at the tolerance of its row).
+//!
+//! # Meshes and matrices
+//! They are run in the impact of their scene alone, and E_in is the kinetic energy at the start: how much a load puts into a
+//! mesh is not known before. A gain counts from the mean energy of an element, or of an unknown where there are no elements.
 //!
 //! # Why central differences do gain
 //! The mass m joins the bar with the velocity it is hit with, energy m (Z'v)^2/2 that nobody has paid for, and leaves with
@@ -36,10 +42,10 @@
 //! side of the switch: small as long as the contact stays closed for many steps.
 
 use crate::error::Refusal;
-use crate::impact::{Run, potential_at_start};
-use crate::pencil::Pencil;
+use crate::impact::{Passage, Run, potential_at_start};
+use crate::pencil::{Gap, Pencil};
 use crate::scene::{Bar, ContactSite, End, Impact, Scene};
-use crate::schemes::Scheme;
+use crate::schemes::{Motion, Scheme};
 use crate::stability::Model;
 
 use super::{PenaltyPoint, Predictor};
@@ -166,11 +172,39 @@ pub fn energy_put_in(run: &Run, load: Load) -> Result<f64, Refusal> {
 /// # Errors
 /// As [`energy_put_in`].
 pub fn energy_gain(run: &Run, load: Load) -> Result<Gain, Refusal> {
-    let supplied = energy_put_in(run, load)?;
-    let mut motion = run.prepare(false)?;
+    gain_of(run.prepare(false)?, run.steps(), energy_put_in(run, load)?)
+}
+
+/// E_in of a passage, J.
+///
+/// # Errors
+/// A load, and bodies that are at rest.
+pub fn passage_energy(passage: &Passage) -> Result<f64, Refusal> {
+    if !passage.encounter().load().is_empty() {
+        let allowed =
+            "none with opening contact: the energy that a load puts into a mesh is not known before";
+        return Err(Refusal::new("scene, impact", "a gravity or load", allowed));
+    }
+    let supplied = passage.prepare(false)?.energy().stored();
+    if supplied.is_normal() && supplied > 0.0 {
+        return Ok(supplied);
+    }
+    Err(Refusal::new("scene, impact", format!("{supplied:e} J put in"), "bodies that move towards a contact"))
+}
+
+/// The energy that a passage gains from its contacts.
+///
+/// # Errors
+/// As [`passage_energy`].
+pub fn passage_gain(passage: &Passage) -> Result<Gain, Refusal> {
+    gain_of(passage.prepare(false)?, passage.steps(), passage_energy(passage)?)
+}
+
+/// What a motion gains in so many steps, over the energy put in.
+fn gain_of(mut motion: Box<dyn Motion>, steps: u64, supplied: f64) -> Result<Gain, Refusal> {
     let start = motion.energy();
     let mut gained: f64 = 0.0;
-    for _ in 0..run.steps() {
+    for _ in 0..steps {
         motion.step();
         motion.synchronise();
         let now = -motion.state().balance_work / supplied;
@@ -197,20 +231,32 @@ pub fn least_gain(model: &Model) -> f64 {
     1.0 / model.scene().elements() as f64
 }
 
-/// Whether the premises hold under which the predictor-corrector is proven, in exact arithmetic, to gain nothing below its
-/// limit ([module](self)): a scheme with [`Facts::gains_nothing`](crate::schemes::Facts::gains_nothing), one contact, and that
-/// open at the start and one step before it. A step at or below the limit is the caller's to keep; false proves nothing.
+/// Whether the premises hold under which a scheme is proven to gain nothing below its limit, in exact arithmetic: one with
+/// [`Facts::gains_nothing`](crate::schemes::Facts::gains_nothing), and contacts that are open at the start and one step before it.
+pub fn is_proven_passage(passage: &Passage) -> bool {
+    let dt = passage.time_step();
+    let velocity = passage.encounter().velocity();
+    let open = |gap: &Gap| gap.initial <= 0.0 && gap.initial <= dt * gap.column.dot(velocity);
+    passage.scheme().facts().gains_nothing && passage.encounter().pencil().gaps().iter().all(open)
+}
+
+/// Whether the premises hold under which a scheme with [`Facts::gains_nothing`](crate::schemes::Facts::gains_nothing) is proven,
+/// in exact arithmetic, to gain nothing below its limit, or what bounds it from below ([module](self)): every contact is open
+/// at the start and one step before it. A step below is the caller's to keep; false proves nothing.
 pub fn is_proven(model: &Model, scheme: &dyn Scheme) -> bool {
     let scene = model.scene();
-    let [site] = scene.contact_sites()[..] else { return false };
-    let distance = scene.impact().and_then(|impact| impact.gaps.first()).copied().unwrap_or(0.0);
     let velocity = |bar: usize| scene.bars()[bar].velocity;
-    let approach = match site {
-        ContactSite::LeftWall => -velocity(0),
-        ContactSite::Between(left) => velocity(left) - velocity(left + 1),
-        ContactSite::RightWall => velocity(scene.bars().len() - 1),
+    let opens_backwards = |(j, site): (usize, &ContactSite)| {
+        let distance = scene.impact().and_then(|impact| impact.gaps.get(j)).copied().unwrap_or(0.0);
+        let approach = match *site {
+            ContactSite::LeftWall => -velocity(0),
+            ContactSite::Between(left) => velocity(left) - velocity(left + 1),
+            ContactSite::RightWall => velocity(scene.bars().len() - 1),
+        };
+        distance >= 0.0 && approach >= 0.0
     };
-    scheme.facts().gains_nothing && distance >= 0.0 && approach >= 0.0
+    let sites = scene.contact_sites();
+    scheme.facts().gains_nothing && !sites.is_empty() && sites.iter().enumerate().all(opens_backwards)
 }
 
 /// The linear limits of one scheme, dt over the contact-free critical step.

@@ -1,5 +1,8 @@
 //! Random bars and scenes with one contact, the same in every run.
 
+// Each test file uses its own part of this module.
+#![allow(dead_code)]
+
 use bipenalty::fem::MassMatrix;
 use bipenalty::scene::{Bar, End, Scene};
 
@@ -16,8 +19,17 @@ impl Numbers {
         low + (high - low) * self.next()
     }
 
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.next() * n as f64) as usize
+    }
+
+    /// Uniform in the logarithm.
+    pub fn log(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.next())
+    }
+
     pub fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[(self.next() * choices.len() as f64) as usize]
+        choices[self.below(choices.len())]
     }
 
     pub fn bar(&mut self, spread: f64) -> Bar {

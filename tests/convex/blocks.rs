@@ -4,9 +4,9 @@ use bipenalty::convex::patches::{ElementMatrices, boxes};
 use bipenalty::convex::{Elements, MeshPencil, Patches};
 use bipenalty::pencil::Gap;
 use bipenalty::sparse::SparseVector;
-use faer::linalg::solvers::Llt;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Mat, Par, Side};
+use faer::Side;
+
+use crate::reduced::reduced;
 
 /// Bilinear square of unit side and density, plane stress, nu = 0.3, 2 x 2 Gauss points, lumped.
 fn square(youngs: f64) -> ElementMatrices {
@@ -87,21 +87,5 @@ impl Blocks {
 
 /// l_max(a K + t P, M) by dense reduction.
 pub fn dense_largest(pencil: &MeshPencil, a: f64, t: f64) -> f64 {
-    let n = pencil.size();
-    let (mut k, mut m) = (Mat::<f64>::zeros(n, n), Mat::<f64>::zeros(n, n));
-    let (mut x, mut y) = (vec![0.0; n], vec![0.0; n]);
-    for j in 0..n {
-        x[j] = 1.0;
-        pencil.multiply(a, t, &x, &mut y);
-        (0..n).for_each(|i| k[(i, j)] = y[i]);
-        pencil.multiply_mass(&x, &mut y);
-        (0..n).for_each(|i| m[(i, j)] = y[i]);
-        x[j] = 0.0;
-    }
-    let factor = Llt::new(m.as_ref(), Side::Lower).unwrap();
-    solve_lower_triangular_in_place(factor.L(), k.as_mut(), Par::Seq);
-    let mut k = k.transpose().to_owned();
-    solve_lower_triangular_in_place(factor.L(), k.as_mut(), Par::Seq);
-    let symmetric = Mat::from_fn(n, n, |i, j| 0.5 * (k[(i, j)] + k[(j, i)]));
-    *symmetric.self_adjoint_eigenvalues(Side::Lower).unwrap().last().unwrap()
+    *reduced(pencil, a, t).0.self_adjoint_eigenvalues(Side::Lower).unwrap().last().unwrap()
 }

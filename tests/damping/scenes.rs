@@ -34,9 +34,7 @@ pub fn bars(numbers: &mut Numbers) -> (Pencil, Penalty) {
 
 /// A bar of so many elements of unit size between two ends.
 pub fn model(left: End, elements: usize, mass: MassMatrix, right: End) -> Model {
-    let length = elements as f64;
-    let bar = Bar { length, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 };
-    let scene = Scene::new("one", left, vec![bar], right, None).unwrap();
+    let scene = Scene::new("one", left, vec![Bar::unit(elements)], right, None).unwrap();
     Model::new(scene, mass, PenaltyMass::Consistent)
 }
 

@@ -155,12 +155,127 @@ fn a_block_held_at_its_sides_is_a_bar() {
         println!("{}: {found:e}", scheme.name());
         assert!(found < 1e-10, "{} {found:e}", scheme.name());
     }
+    // With the stiffness and the mass of all contacts of the bar, spread as the block spreads them.
+    let scales = |encounter: &Encounter| encounter.pencil().gaps().iter().map(|gap| gap.scale).sum::<f64>();
+    let share = scales(&thin) / scales(&block);
+    let rates = thin.pencil().reference() / block.pencil().reference();
+    // The Park scheme looks at the contact-free step, which the block has of other waves.
+    let alike = Encounter::new(
+        thin.pencil().clone(),
+        thin.velocity().to_vec(),
+        thin.load().to_vec(),
+        block.critical_step(),
+    );
+    let alike = alike.unwrap();
+    for scheme in [SchemeName::PredictorCorrector, SchemeName::Park, SchemeName::Buffered] {
+        for (beta_s, ratio) in [(1.0, 1.0), (1e4, 1.0), (1e4, 0.5), (1e12, 1.0)] {
+            let step = 0.4 * block.critical_step();
+            let (a, b) = (
+                passage(block.clone(), scheme, step, (share * beta_s, rates * ratio)),
+                passage(alike.clone(), scheme, step, (beta_s, ratio)),
+            );
+            let found = distance(&b.force, &a.resultant());
+            println!("{} {beta_s:e} {ratio}: {found:e}", scheme.name());
+            assert!(found < 1e-9, "{} {beta_s:e} {ratio}: {found:e}", scheme.name());
+        }
+    }
     for scheme in [SchemeName::PredictorCorrector, SchemeName::Buffered, SchemeName::Lagrange] {
         let record = passage(block.clone(), scheme, step, (1e4, 1.0));
         let squares = record.time.iter().zip(record.resultant()).map(|(t, f)| (f - exact.force(*t)).powi(2));
         let rms = (squares.sum::<f64>() / record.time.len() as f64).sqrt() / exact.peak_force();
         println!("{}: rms {rms:.4}", scheme.name());
         assert!(rms < 0.1, "{} {rms}", scheme.name());
+    }
+}
+
+/// Two blocks whose nodes do not meet, the lower one held below, the upper one falling under gravity: it bounces on.
+fn bouncing(mass: MassMatrix, gravity: f64) -> Encounter {
+    let body = |name: &str, cells: [usize; 2], origin: f64, velocity: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nbox = [1.0, 0.5]\ncells = {cells:?}\norigin = [0.0, {origin:?}]\nelement = \"quad4\"\n\
+             youngs_modulus = 1.0\npoissons_ratio = 0.3\ndensity = 1.0\nvelocity = [0.0, {velocity:?}]\n"
+        )
+    };
+    let text = format!(
+        "name = \"blocks\"\ndimension = 2\nplane = \"strain\"\n{}{}[[contact]]\nsurfaces = [\"upper.bottom\", \"lower.top\"]\n\
+         [[hold]]\nsurface = \"lower.bottom\"\ndirections = [\"x\", \"y\"]\n[[hold]]\nsurface = \"upper.left\"\ndirections = [\"x\"]\n\
+         [impact]\nduration = 4.0\ngravity = [0.0, {gravity:?}]\n",
+        body("lower", [3, 2], 0.0, 0.0),
+        body("upper", [4, 2], 0.5, -0.1),
+    );
+    let scene = MeshScene::parse(&text, "blocks.toml").unwrap();
+    let assembled = scene.assemble(mass).unwrap();
+    let impact = scene.impact.unwrap();
+    let with = |l_max: f64| Encounter::of_mesh(&assembled, &impact, l_max, l_max).unwrap();
+    let l_max = Dense::new(with(1.0).pencil()).unwrap().enclose(&Penalty::NONE, None).unwrap().upper;
+    with(l_max)
+}
+
+/// kinetic + strain + penalty + loss - work keeps its value over 1e5 steps of a block that bounces on another one.
+#[test]
+fn the_energy_balance_of_every_scheme_holds_over_a_hundred_thousand_steps() {
+    for mass in [MassMatrix::LUMPED, MassMatrix::CONSISTENT] {
+        let blocks = bouncing(mass, -0.01);
+        for scheme in SchemeName::ALL {
+            let (ratio, c) = if scheme == SchemeName::PredictorCorrector { (0.25, 0.9) } else { (1.0, 0.45) };
+            let steps = 100_000.0;
+            let duration = steps * c * blocks.critical_step();
+            let passage = Passage::new(blocks.clone(), scheme, blocks.penalty(100.0, ratio), c, duration);
+            let record = match passage.unwrap().execute(7, None, |_, _| ()) {
+                Ok(record) => record,
+                // It is made for bars.
+                Err(refusal) => {
+                    assert_eq!(scheme, SchemeName::MassRedistribution, "{refusal}");
+                    continue;
+                }
+            };
+            let found = record.imbalance() / record.largest_energy();
+            println!(
+                "{} {}: {found:.1e}, {} switches, {:?}",
+                mass.name(),
+                scheme.name(),
+                record.switches,
+                record.ending
+            );
+            assert!(
+                record.switches > 100 && record.steps >= 100_000,
+                "{} {}",
+                scheme.name(),
+                record.switches
+            );
+            // 1.9e-11 was found for chattering central differences with a consistent mass, within the rounding of a step; why more
+            // than the others is open.
+            let chatters = scheme == SchemeName::CentralDifference && mass == MassMatrix::CONSISTENT;
+            let allowed = if chatters { 4.0 * f64::EPSILON * record.steps as f64 } else { 1e-12 };
+            assert!(found <= allowed, "{} {} {found:e}", mass.name(), scheme.name());
+        }
+    }
+}
+
+/// dt^2 = a takes the gap of the predictor-corrector to zero like 1/beta_s on a mesh; another step leaves (a - dt^2) G lambda.
+#[test]
+fn the_gap_vanishes_like_one_over_the_penalty_at_the_step_of_zero_penetration() {
+    for mass in [MassMatrix::LUMPED, MassMatrix::CONSISTENT] {
+        let blocks = bouncing(mass, 0.0);
+        let deepest = |beta_s: f64, ratio: f64, c: f64| {
+            let passage = Passage::new(
+                blocks.clone(),
+                SchemeName::PredictorCorrector,
+                blocks.penalty(beta_s, ratio),
+                c,
+                2.0,
+            );
+            let record = passage.unwrap().execute(1, None, |_, _| ()).unwrap();
+            record.gap.iter().copied().fold(0.0, f64::max)
+        };
+        // The reference is that of the contact-free mesh, so that dt^2 = a at C = 1/(2 sqrt r).
+        for (ratio, c) in [(1.0, 0.5), (4.0, 0.25)] {
+            let [small, large] = [1e4, 1e8].map(|beta_s| deepest(beta_s, ratio, c));
+            println!("{} r = {ratio} C = {c}: {small:.3e} {large:.3e}", mass.name());
+            assert!((large / small / 1e-4 - 1.0).abs() < 0.2, "{small:e} {large:e}");
+            let off = [1e4, 1e8].map(|beta_s| deepest(beta_s, ratio, 0.8 * c));
+            assert!((off[1] / off[0] - 1.0).abs() < 0.2, "{off:?}");
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Small scenes of meshes.
 
+use crate::numbers::Numbers;
+
 /// Two blocks of different material and mesh, the lower one held, in node-to-face contact.
 pub const TWO_BLOCKS: &str = r#"name = "two-blocks"
 dimension = 2
@@ -28,26 +30,10 @@ surface = "lower.bottom"
 directions = ["x", "y"]
 "#;
 
-/// Numbers in [0, 1), the same in every run.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.next() * n as f64) as usize
-    }
-    pub fn log(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.next())
-    }
-}
-
 /// A small scene of one or two bodies in the plane or in space, of any element; unlike materials and cells, with or without
 /// supports, in contact with each other or with a wall.
 pub fn random_mesh(seed: u64) -> String {
-    let mut random = Random(seed * 77 + 5);
+    let mut random = Numbers(seed * 77 + 5);
     let space = random.next() < 0.35;
     let kinds: &[&str] = if space {
         &["tet4", "hex8", "hex8", "tet10", "hex20"]

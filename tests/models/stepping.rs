@@ -179,7 +179,7 @@ fn a_hundred_meshes_do_not_grow_below_the_bound_of_the_predictor_corrector() {
             continue;
         }
         meshes += 1;
-        let mut random = crate::scenes::Random(seed);
+        let mut random = crate::numbers::Numbers(seed);
         let (beta_s, ratio) =
             (random.log(1e-2, 1e5), if seed % 5 == 0 { f64::INFINITY } else { random.log(0.05, 100.0) });
         let step = model.critical_step(beta_s, ratio, &asking).unwrap().step.unwrap();

@@ -21,6 +21,10 @@ LONG = {
     "verify": "bp.Model.from_scene('hunek', elements=20000).verify(1e3, 1.0, scheme='park')",
     "matrices": "bp.Model.from_matrices(K, M, Z).stability_map(np.logspace(-3, 12, 400), np.logspace(-1, 3, 400), "
     "tolerance=1e-12)",
+    "assembly": "bp.Model.from_scene(BRICK.replace('CELLS', '[150, 150, 90]'))",
+    "patches": "BRICKS.stability_map(np.logspace(-3, 9, 60), np.logspace(-1, 3, 60), patch=3)",
+    "impact of a mesh": "BRICKS.impact(1e2, 0.25, duration=1e6, every=10**6)",
+    "stepping a mesh": "BRICKS.verify(1e2, 0.25, scheme='predictor-corrector')",
 }
 SETUP = """
 import signal, sys, threading, time, os
@@ -30,6 +34,24 @@ import scipy.sparse as sp
 line = sp.diags([-np.ones(89), 2 * np.ones(90), -np.ones(89)], [-1, 0, 1])
 K = sp.csr_matrix(sp.kronsum(line, line))
 M, Z = sp.csr_matrix(K * 1e-2 + sp.eye(8100)), sp.eye(8100, format='csr')[:, :90]
+BRICK = '''
+name = "brick"
+dimension = 3
+[[body]]
+name = "brick"
+box = [3.0, 2.0, 1.0]
+cells = CELLS
+element = "hex8"
+youngs_modulus = 1.0
+poissons_ratio = 0.3
+density = 1.0
+velocity = [0.0, -0.01, 0.0]
+[[contact]]
+surfaces = ["brick.bottom", "wall"]
+[impact]
+duration = 5.0
+'''
+BRICKS = bp.Model.from_scene(BRICK.replace("CELLS", "[30, 20, 10]"))
 """
 
 
@@ -59,6 +81,99 @@ else:
     late, used = map(float, run.stdout.split())
     assert late < 1.0
     assert used < 0.5, "the computation went on"
+
+
+def test_interrupted_factorisation():
+    """A factor cannot be left half done: the call ends at once, the factor when it is ready, what it reads lives on."""
+    script = f"""{SETUP}
+import gc
+n = 26
+line = sp.diags([-np.ones(n - 1), 2 * np.ones(n), -np.ones(n - 1)], [-1, 0, 1])
+K = sp.csr_matrix(sp.kronsum(sp.kronsum(line, line), line))
+model = bp.Model.from_matrices(K, np.ones(n**3), sp.eye(n**3, format='csr')[:, :n])
+want = bp.Model.from_matrices(K.copy(), np.ones(n**3), sp.eye(n**3, format='csr')[:, :n]).critical_step(10.0, 2.0)
+def press(after):
+    time.sleep(after)
+    global pressed
+    pressed = time.perf_counter()
+    os.kill(os.getpid(), signal.SIGINT)
+late = []
+for after in np.linspace(0.05, 2.0, 8):
+    other = bp.Model.from_matrices(K.copy(), np.ones(n**3), sp.eye(n**3, format='csr')[:, :n])
+    threading.Thread(target=press, args=(after,)).start()
+    try:
+        [other.critical_step(10.0 + i, 2.0, tolerance=1e-11) for i in range(1000)]
+    except KeyboardInterrupt:
+        late.append(time.perf_counter() - pressed)
+    del other  # what still computes holds its arrays
+    gc.collect()
+    _ = [np.full(n**3, np.nan) for _ in range(20)]
+found = model.critical_step(10.0, 2.0)
+print(len(late), max(late), (found.lower, found.upper) == (want.lower, want.upper))
+"""
+    environment = {**os.environ, "PYTHONMALLOC": "debug"}
+    command = [sys.executable, "-c", script]
+    run = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=True)
+    count, late, same = run.stdout.split()
+    assert (count, same) == ("8", "True")
+    assert float(late) < 1.0
+
+
+def test_ctrl_c_ends_a_script():
+    """Nobody waits for what still computes."""
+    script = f"""{SETUP}
+import bipenalty
+signal.setitimer(signal.ITIMER_REAL, 1.0)
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+{LONG["stepping a mesh"]}
+"""
+    start = time.perf_counter()
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False)
+    assert "KeyboardInterrupt" in run.stderr
+    assert time.perf_counter() - start < 30.0
+
+
+def test_one_model_from_threads():
+    """Threads that ask one model wait for each other, and no thread for itself."""
+    script = f"""{SETUP}
+line = sp.diags([-np.ones(199), 2 * np.ones(200), -np.ones(199)], [-1, 0, 1])
+K = sp.csr_matrix(sp.kronsum(line, line))
+model = bp.Model.from_matrices(K, np.ones(40000), sp.eye(40000, format='csr')[:, :20])
+def ask(seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(12):
+        time.sleep(0.3 * rng.random())
+        model.critical_step(10.0 ** rng.uniform(0, 3), 2.0, tolerance=1e-10)
+threads = [threading.Thread(target=ask, args=(seed,)) for seed in range(3)]
+[thread.start() for thread in threads]
+[thread.join() for thread in threads]
+"""
+    environment = {**os.environ, "RAYON_NUM_THREADS": "4"}
+    subprocess.run([sys.executable, "-c", script], env=environment, timeout=120, check=True)
+
+
+def test_a_short_call_does_not_wait_for_a_long_one():
+    script = f"""{SETUP}
+short = bp.Model.from_matrices(K, np.ones(8100), Z[:, :1])
+stop = threading.Event()
+def long():
+    try:
+        bp.Model.from_scene('hunek', elements=2000).impact(
+            1e3, 1.0, duration=1e2, every=10**6, progress=lambda done, total: 1 / (not stop.is_set()))
+    except ZeroDivisionError:
+        print("stopped")
+thread = threading.Thread(target=long)
+thread.start()
+time.sleep(0.5)
+short.critical_step(1.0, tolerance=1e-3)
+print(thread.is_alive())
+stop.set()
+thread.join()
+"""
+    environment = {**os.environ, "RAYON_NUM_THREADS": "1"}
+    command = [sys.executable, "-c", script]
+    run = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=True)
+    assert run.stdout.split() == ["True", "stopped"]
 
 
 def test_other_threads_run():
@@ -179,3 +294,15 @@ def test_cost_of_a_map():
         found = model.stability_map(beta_s, ratio)
         shares.append((time.perf_counter() - start) / found.seconds - 1.0)
     assert min(shares) < 0.05
+
+
+def test_the_same_question_costs_the_same():
+    """What is known closely enough is not sampled again: no question makes later ones slower, or changes their bits."""
+    model = bp.Model.from_matrices([[1.0, -1.0], [-1.0, 1.0]], [1.0, 1.0], [0.0, 1.0])
+    first = model.critical_step(10.0, 2.0)
+    start = time.perf_counter()
+    for _ in range(2000):
+        again = model.critical_step(10.0, 2.0)
+    assert again == first
+    # Some 20 us each; 120 ms each when every question added 200 lines.
+    assert time.perf_counter() - start < 10.0

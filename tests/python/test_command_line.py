@@ -90,6 +90,34 @@ def test_diagonalised(tools):
     assert_map(rows, model.stability_map(BETA_S, RATIO))
 
 
+DAMPING = bp.Damping(3.0, 1e-5, 2e-5)
+DAMPED = {"damping-mass": "3", "damping-stiffness": "1e-5", "damping-contact": "2e-5"}
+EXPLICIT = [
+    ("noh-bathe", None),
+    ("noh-bathe", 0.6),
+    ("chung-lee", 1.01),
+    ("tchamwa-wielgosz", 1.05),
+    ("generalised-alpha", 0.5),
+]
+
+
+@pytest.mark.parametrize("scene", ["signorini", "hunek"])
+@pytest.mark.parametrize("limit", ["spectrum", "central-difference", "predictor-corrector"])
+def test_damping(tools, scene, limit):
+    rows = tools("stability-map", *options(scene, "consistent", limit, **DAMPED))
+    found = bp.Model.from_scene(scene, mass="consistent").stability_map(BETA_S, RATIO, limit=limit, damping=DAMPING)
+    assert_map(rows, found)
+    assert {row["limit"] for row in rows} == {found.limit}
+
+
+@pytest.mark.parametrize(("limit", "parameter"), EXPLICIT)
+def test_explicit_schemes(tools, limit, parameter):
+    keywords = {} if parameter is None else {"parameter": parameter}
+    rows = tools("stability-map", *options("symmetric", "averaged", limit, **keywords))
+    model = bp.Model.from_scene("symmetric", mass="averaged")
+    assert_map(rows, model.stability_map(BETA_S, RATIO, limit=limit, **keywords))
+
+
 @pytest.mark.parametrize("elements", [1, 200])
 def test_single_points(tools, elements):
     """A point is the same as on a map: of a curve of one point, which begins nowhere."""
@@ -152,6 +180,22 @@ def test_verify(tools):
         assert seen.unstable_at == pytest.approx(float(row["unstable_at"]) * second, rel=1e-15)
         assert seen.growth == float(row["growth"])
         assert str(seen.agrees).lower() == row["agrees"]
+
+
+@pytest.mark.parametrize("scheme", ["central-difference", "predictor-corrector"])
+@pytest.mark.parametrize("scene_file", ["mesh"], indirect=True)
+def test_verify_meshes(tools, scene_file, scheme):
+    typed = ["--scheme", scheme, "--beta-s", "0.5,10,1e3", "--ratio", "0.25,1,inf", "--tolerance", "1e-2"]
+    rows = tools("verify-limits", scene_file, *typed)
+    model = bp.Model.from_scene(scene_file)
+    assert len(rows) == 9
+    for row in rows:
+        seen = model.verify(float(row["stiffness_penalty"]), float(row["ratio"]), scheme=scheme, tolerance=1e-2)
+        second = 2.0 / np.sqrt(model.reference)
+        assert seen.stable_at == pytest.approx(float(row["stable_at"]) * second, rel=1e-15)
+        assert seen.unstable_at == pytest.approx(float(row["unstable_at"]) * second, rel=1e-15)
+        assert seen.growth == float(row["growth"])
+        assert {True: "true", False: "false", None: ""}[seen.agrees] == row["agrees"]
 
 
 @pytest.mark.parametrize("scheme", ["central-difference", "predictor-corrector", "park"])
@@ -248,6 +292,43 @@ def test_meshes(tools, scene_file, tmp_path, limit):
     assert_map(rows, found)
     found.to_csv(tmp_path / "map.csv")
     assert_same_rows(list(csv.DictReader((tmp_path / "map.csv").open())), rows)
+
+
+ASKED = {
+    "damped": (["--damping-mass", "30", "--damping-stiffness", "1e-6"], {"damping": (30.0, 1e-6, 0.0)}),
+    "noh-bathe": (["--limit", "noh-bathe", "--parameter", "0.6"], {"limit": "noh-bathe", "parameter": 0.6}),
+    "tolerance": (["--tolerance", "1e-5"], {"tolerance": 1e-5}),
+}
+
+
+@pytest.mark.parametrize("name", ASKED)
+def test_meshes_with_more_keywords(tools, scene_file, name):
+    typed, keywords = ASKED[name]
+    rows = tools("stability-map", scene_file, "--beta-s", spec(BETA_S), "--ratio", spec(RATIO), *typed)
+    assert_map(rows, bp.Model.from_scene(scene_file).stability_map(BETA_S, RATIO, **keywords))
+
+
+@pytest.mark.parametrize("scene_file", ["mesh"], indirect=True)
+def test_patches(tools, scene_file):
+    asked = [scene_file, "--beta-s", spec(BETA_S), "--ratio", spec(RATIO), "--patch", "3", "--tolerance", "1"]
+    rows = tools("stability-map", *asked)
+    found = bp.Model.from_scene(scene_file).stability_map(BETA_S, RATIO, patch=3, tolerance=1.0)
+    assert_map(rows, found)
+    assert set(found._map.engines()) == {"convex-patches"}
+
+
+def test_largest_of_a_step(tools):
+    """What --time-step says of a damped bar is what the package says."""
+    typed = ["signorini", "--mass", "lumped", "--time-step", "6e-4", "--beta-s", "7", "--ratio", "1,3,inf"]
+    typed += ["--damping-stiffness", "1e-5"]
+    rows = tools("stability-map", *typed)
+    model = bp.Model.from_scene("signorini", mass="lumped")
+    damping = bp.Damping(stiffness=1e-5)
+    for row in rows:
+        most = model.largest_penalty(6e-4, float(row["ratio"]), damping=damping)
+        assert float(row["largest_stiffness_penalty"]) == most
+        assert float(row["largest_stiffness_penalty_lower"]) == most.lower
+        assert float(row["largest_stiffness_penalty_upper"]) == most.upper
 
 
 @pytest.mark.parametrize("scene_file", ["matrices"], indirect=True)

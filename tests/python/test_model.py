@@ -79,7 +79,27 @@ def test_scene_from_name_path_and_text(tmp_path):
         (lambda m: m.impact(1.0, 1.0), ["impact", "duration"]),
         (lambda m: bp.Model.from_scene("hunek").impact(1.0, 1.0, every=0), ["steps between records", "at least 1"]),
         (lambda m: bp.Model.from_scene("hunek").impact(1.0, 1.0, relative_courant=-1.0), ["Courant", "-1"]),
-        (lambda m: bp.Model.from_scene(BLOCK).impact(1.0, 1.0), ["impact", "[[bar]]"]),
+        (lambda m: bp.Model.from_scene("hunek").impact(1.0, 1.0, every=-1), ["every", "-1"]),
+        (lambda m: bp.Model.from_scene("hunek").impact(1.0, 1.0, velocity=1.0), ["velocity", "[[bar]]"]),
+        (lambda m: bp.Model.from_scene(BLOCK).impact(1.0, 1.0), ["velocity", "block", "[impact]"]),
+        (lambda m: bp.Model.from_scene(BLOCK).impact(1.0, 1.0, velocity=1.0), ["duration", "[impact]"]),
+        (lambda m: bp.Model.from_scene(BLOCK).impact(1.0, 1.0, load=[1.0], duration=1.0), ["load", "(1,)", "[56]"]),
+        (lambda m: bp.Model.from_scene(BLOCK).impact(1.0, 1.0, velocity=np.inf, duration=1.0), ["velocity", "finite"]),
+        (lambda m: bp.Model.from_scene(BLOCK).impact(1.0, 1.0, velocity=1.0, duration=1.0, gaps="0"), ["gaps", "real"]),
+        (lambda m: bp.Model.from_scene(BLOCK).impact(1.0, 1.0, velocity=1.0, duration=1e300), ["duration", "steps"]),
+        (lambda m: m.critical_step(1.0, parameter=1.0), ["parameter", "spectrum", "noh-bathe"]),
+        (lambda m: m.critical_step(1.0, limit="noh-bathe", parameter=0.8), ["noh-bathe, p", "0.8", "0.5 to 0.75"]),
+        (lambda m: m.critical_step(1.0, damping=(0, -1, 0)), ["damping, stiffness", "-1", "at least 0"]),
+        (lambda m: m.critical_step(1.0, damping=1e-3), ["damping", "0.001", "three numbers"]),
+        (lambda m: m.critical_step(1.0, damping=bp.Damping(1.0), limit="park"), ["damping", "park"]),
+        (lambda m: m.critical_step(1.0, damping=bp.Damping(1.0), limit="chung-lee"), ["damping", "chung-lee"]),
+        (lambda m: m.optimal_ratio(1.0, damping=bp.Damping(1.0)), ["damped", "no damping"]),
+        (lambda m: m.critical_step(1.0, patch=4), ["patch", "4", "bars"]),
+        (lambda m: bp.Model.from_scene(BLOCK).critical_step(1.0, patch=0), ["patch", "0", "at least 1"]),
+        (lambda m: bp.Model.from_scene(BLOCK).critical_step(1.0, patch=-1), ["patch", "-1", "at least 1"]),
+        (lambda m: line().critical_step(1.0, patch=2), ["patch", "2", "[[body]]"]),
+        (lambda m: m.verify(1.0, 1.0, scheme="park", damping=bp.Damping(1.0)), ["damping", "park"]),
+        (lambda m: m.verify(1.0, 1.0, scheme="noh-bathe"), ["scheme", "noh-bathe", "central-difference"]),
     ],
 )
 def test_refusals(ask, words):
@@ -92,7 +112,10 @@ def test_refusals(ask, words):
 
 def test_wrong_types_are_type_errors():
     model = bp.Model.from_scene(BAR)
-    for ask in (lambda: model.critical_step("10"), lambda: model.critical_step([1.0, 2.0]), lambda: bp.Model()):
+    asks = [lambda: model.critical_step("10"), lambda: model.critical_step([1.0, 2.0]), lambda: bp.Model()]
+    wrong = [{"limit": 5}, {"limit": "park", "theta": "0.5"}, {"patch": 1.5}, {"tolerance": "a"}, {"engine": None}]
+    asks += [lambda keywords=keywords: model.critical_step(1.0, **keywords) for keywords in wrong]
+    for ask in asks:
         with pytest.raises(TypeError):
             ask()
 
@@ -148,6 +171,54 @@ def test_results_can_be_copied():
             assert repr(again) == repr(result)
 
 
+def line():
+    K = 2.0 * np.eye(6) - np.eye(6, k=1) - np.eye(6, k=-1)
+    return bp.Model.from_matrices(K, np.ones(6), np.eye(6)[:, [5, 2]], scales=[2.0, 1.0], reference=3.0)
+
+
+def made(tmp_path):
+    path = tmp_path / "bar.toml"
+    path.write_text(BAR)
+    other = bp.Model.from_scene("hunek", mass=0.3, elements=40, penalty_mass="diagonalised")
+    return [bp.Model.from_scene(path), bp.Model.from_scene(BLOCK, mass="consistent"), other, line()]
+
+
+def test_models_and_maps_are_pickled(tmp_path):
+    for model in made(tmp_path):
+        again = pickle.loads(pickle.dumps(model))
+        assert repr(again) == repr(model)
+        assert again.reference == model.reference
+        asked = ([1.0, 100.0], [0.5, np.inf])
+        found = model.stability_map(*asked)
+        assert (again.stability_map(*asked).lower == found.lower).all()
+        for kept in (pickle.loads(pickle.dumps(found)), copy.deepcopy(found), copy.copy(found)):
+            assert repr(kept) == repr(found)
+            assert list(kept._rows()) == list(found._rows())
+            assert kept.seconds == found.seconds
+        run = pickle.loads(pickle.dumps(bp.Model.from_scene("hunek").impact(1.0, 1.0)))
+        assert run.contact_force.shape == (len(run.time), 1)
+
+
+def test_a_relative_path_is_found_from_elsewhere(tmp_path, monkeypatch):
+    made(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    saved = pickle.dumps(bp.Model.from_scene("bar.toml"))
+    monkeypatch.chdir(tmp_path.parent)
+    assert pickle.loads(saved).name == "on-a-wall"
+
+
+def test_models_stay_as_they_are():
+    model = bp.Model.from_scene(BAR)
+    assert copy.copy(model) is copy.deepcopy(model) is model
+    for change in (
+        lambda: setattr(model, "contacts", 7),
+        lambda: delattr(model, "name"),
+        lambda: setattr(model, "x", 1),
+    ):
+        with pytest.raises(AttributeError):
+            change()
+
+
 def test_map_in_any_order():
     model = bp.Model.from_scene("symmetric", mass="consistent")
     beta_s, ratio = [1e3, 0.0, 7.0], [np.inf, 0.5]
@@ -178,6 +249,76 @@ def test_largest_penalty_is_the_inverse():
         ratio = model.largest_ratio(step, 1e3)
         assert model.critical_step(1e3, ratio.lower).upper >= step
         assert model.critical_step(1e3, ratio * 1.001).upper < step
+
+
+THROWN = BLOCK.replace("density = 1.0", "density = 1.0\nvelocity = [0.0, -0.01]") + "[impact]\nduration = 5.0\n"
+
+
+def test_impact_of_a_mesh():
+    model = bp.Model.from_scene(THROWN)
+    run = model.impact(1e3, 0.25, scheme="buffered")
+    assert run.contact_force.shape == run.gap.shape == (len(run.time), 7)
+    assert (run.relative_gap, run.exact_force, run.force_error) == (None, None, None)
+    assert run.time_step <= 0.5 * model.critical_step(0.0).value
+    assert run.resultant.max() > 0.0
+    # The buffer of closed contacts has taken its share from 0.5 * 2 * 0.01^2 J.
+    assert 0.8e-4 < run.kinetic_energy[0] < 1e-4
+    balance = run.energy + run.loss - run.body_work
+    assert balance == pytest.approx(balance[0], rel=1e-12)
+    assert run.energy_ratio == pytest.approx(run.energy[-1] / run.energy[0])
+
+
+def test_impact_of_matrices_is_that_of_their_mesh():
+    mesh = bp.Model.from_scene(THROWN)
+    K, M, Z, w = mesh.matrices()
+    model = bp.Model.from_matrices(K, M, Z, scales=w, reference=mesh.reference)
+    velocity = np.zeros(model.unknowns)
+    velocity[1::2] = -0.01
+    for scheme in ("central-difference", "predictor-corrector", "park", "lagrange"):
+        want = mesh.impact(1e3, 0.25, scheme=scheme)
+        run = model.impact(1e3, 0.25, scheme=scheme, velocity=velocity, duration=5.0)
+        assert run.time_step == pytest.approx(want.time_step, rel=1e-9)
+        assert run.contact_force == pytest.approx(want.contact_force, rel=1e-6, abs=1e-9)
+        assert run.energy_ratio == pytest.approx(want.energy_ratio, rel=1e-6)
+
+
+def test_impact_by_a_load_across_a_gap():
+    """Two masses free to move, one pushed by 3 N: it closes 0.5 m to a wall after sqrt(2 m g0/f)."""
+    model = bp.Model.from_matrices(np.diag([1e-9, 1e-9]), [6.0, 6.0], [[1.0], [0.0]], scales=1e3)
+    run = model.impact(1.0, np.inf, load=[3.0, 0.0], gaps=-0.5, duration=2.0, relative_courant=1e-8)
+    closes = run.time[np.argmax(run.contact_force[:, 0] > 0.0)]
+    assert closes == pytest.approx(np.sqrt(2.0), rel=1e-2)
+    assert run.energy_ratio is None
+
+
+def test_damping_and_other_schemes():
+    model = bp.Model.from_scene(BAR)
+    free = model.critical_step(0.0).value
+    omega, xi = 2.0 / free, 0.1
+    slow = model.critical_step(0.0, damping=bp.Damping(stiffness=2 * xi / omega))
+    assert slow.value == pytest.approx(free * (np.sqrt(1 + xi**2) - xi), rel=1e-12)
+    assert slow.limit == "damped-central-difference"
+    assert model.critical_step(5.0, 2.0, damping=bp.Damping()) == model.critical_step(5.0, 2.0)
+    for scheme, (longer, parameter) in {"chung-lee": (1.0, 1.0), "noh-bathe": (1.8725, None)}.items():
+        found = model.critical_step(0.0, limit=scheme, parameter=parameter)
+        assert found.value == pytest.approx(longer * free, rel=1e-4)
+        most = model.largest_penalty(0.7 * found.value, 3.0, limit=scheme, parameter=parameter)
+        assert most == pytest.approx(model.largest_penalty(0.7 * free, 3.0), rel=1e-4)
+    most = model.largest_penalty(0.7 * slow.value, 3.0, damping=(0.0, 2 * xi / omega, 0.0))
+    assert model.critical_step(most.lower, 3.0, damping=(0.0, 2 * xi / omega, 0.0)).upper >= 0.7 * slow.value
+    seen = model.verify(10.0, 2.0, damping=bp.Damping(stiffness=2 * xi / omega))
+    assert seen.agrees
+    with pytest.raises(ValueError, match=r"^time_step: .* limit without contact"):
+        model.largest_penalty(free, damping=(0, 1e-3, 0))
+
+
+def test_patches_give_another_proof():
+    model = bp.Model.from_scene(BLOCK)
+    whole = model.critical_step(10.0, 2.0)
+    patched = model.critical_step(10.0, 2.0, patch=2, tolerance=1.0)
+    assert patched.engine == "convex-patches"
+    assert patched.lower <= whole.upper
+    assert whole.lower <= patched.upper
 
 
 def test_impact():

@@ -3,18 +3,16 @@
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
-use bipenalty::pencil::{Penalty, Pencil};
+use bipenalty::pencil::Penalty;
 use bipenalty::scene::{Bar, End, Scene};
 use bipenalty::schemes::SchemeName;
 use bipenalty::spectrum::Evidence;
 use bipenalty::stability::Model;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Mat, Par, Side};
 use rayon::prelude::*;
 
 use super::common::numbers::Numbers;
 use super::judge::Judge;
-use super::{Dense, add_contacts, free_of, full, growth_of, limit_of, outside, penalties, with_limit};
+use super::{Dense, free_of, limit_of, outside, penalties, with_limit};
 
 fn row(parts: &[(f64, f64, f64, usize)], ends: (End, End)) -> Scene {
     let bar = |&(youngs_modulus, density, area, elements): &(f64, f64, f64, usize)| Bar {
@@ -63,10 +61,9 @@ fn the_park_limit_of_a_soft_bar_behind_a_stiff_one_is_its_own() {
 /// Two to four bars, one or two elements between contacts, contrasts to 1e3.
 #[test]
 fn the_park_limit_holds_for_coupled_contacts() {
-    let counts: Vec<[usize; 2]> = (0..3000).into_par_iter().map(|point| check(point as u64)).collect();
-    let sum = counts.iter().fold([0; 2], |sum, c| [sum[0] + c[0], sum[1] + c[1]]);
-    println!("{sum:?} of 3000 grow 0.1 % above too slowly to be seen, are seen to grow 1e-9 above");
-    assert!(sum[0] < 10 && sum[1] > 2000, "{sum:?}");
+    let close: usize = (0..3000).into_par_iter().map(|point| check(point as u64)).sum();
+    println!("3000 grow 0.1 % above, {close} of them looked at 1e-9 above");
+    assert!(close > 2000, "{close}");
 }
 
 /// One to three contacts, one or two elements between them, contrasts to 1e3: a model and its penalty.
@@ -101,7 +98,7 @@ fn point_of(point: u64) -> CoupledPoint {
     CoupledPoint { model, theta, beta_s, ratio, penalty, numbers }
 }
 
-fn check(point: u64) -> [usize; 2] {
+fn check(point: u64) -> usize {
     let CoupledPoint { model, theta, beta_s, ratio, penalty: p, mut numbers } = point_of(point);
     let pencil = model.pencil();
     let engine = limit_of(&model, &pencil, SchemeName::Park, theta);
@@ -113,97 +110,52 @@ fn check(point: u64) -> [usize; 2] {
         let dt = below * step.lower();
         assert!(!judge.park_grows(dt, far, theta), "grows at {below} of {}: {}", step.lower(), place());
     }
-    let grows_above = |excess: f64| {
-        let above = (1.0 + excess) * step.upper();
-        let predicted = growth_of(&*engine, &p, above / far);
-        let slow = predicted.is_some_and(|growth| growth < 2.0 * SEEN);
-        let grows = slow || judge.park_grows(above, far, theta);
-        assert!(grows, "stable {excess} above {step:?}, predicted {predicted:?}: {}", place());
-        slow
-    };
     // Next to dt_c the scheme may be stable again beyond it.
-    let close = (1.0 + 1e-9) * step.upper() < far && !grows_above(1e-9);
-    [usize::from(grows_above(1e-3)), usize::from(close)]
+    let close = (1.0 + 1e-9) * step.upper() < far;
+    for excess in [1e-3, 1e-9].into_iter().take(1 + usize::from(close)) {
+        let above = (1.0 + excess) * step.upper();
+        assert!(judge.park_grows(above, far, theta), "stable {excess} above {step:?}: {}", place());
+    }
+    usize::from(close)
 }
-
-/// Growth a step that [`Judge`] sees.
-const SEEN: f64 = 1.2e-12;
 
 /// The same scenes by the predictor-corrector, whose bound must not be passed, and by the spectrum, whose limit must not be
 /// missed: central differences are stable below it and grow 0.1 % above it.
 #[test]
 fn the_bound_of_the_predictor_corrector_and_the_spectrum_hold_for_coupled_contacts() {
-    let counts: Vec<[usize; 4]> = (0..3000).into_par_iter().map(|point| look(point as u64)).collect();
-    let sum = counts.iter().fold([0; 4], |sum, c| [0, 1, 2, 3].map(|i| sum[i] + c[i]));
-    println!(
-        "{sum:?} of 3000: lower bounds, below the contact-free step, grown between it and 1.5 times it; growth above a limit seen"
-    );
-    assert!(sum[0] > 1500 && sum[1] > 1000 && sum[2] > 500 && sum[3] > 300, "{sum:?}");
+    let counts: Vec<[usize; 3]> = (0..3000).into_par_iter().map(|point| look(point as u64)).collect();
+    let sum = counts.iter().fold([0; 3], |sum, c| [0, 1, 2].map(|i| sum[i] + c[i]));
+    println!("{sum:?} of 3000: lower bounds, those below the contact-free step, grown at 1.5 times it");
+    assert!((1500..2700).contains(&sum[0]) && sum[1] > 1000 && sum[2] > 500, "{sum:?}");
 }
 
-fn look(point: u64) -> [usize; 4] {
+fn look(point: u64) -> [usize; 3] {
     let CoupledPoint { model, beta_s, ratio, penalty, mut numbers, .. } = point_of(point);
     let pencil = model.pencil();
-    let dense = Dense::new(&pencil, &penalty);
     let place = || format!("point {point}, beta_s = {beta_s:e}, r = {ratio}, {model:?}");
     let spectrum = limit_of(&model, &pencil, SchemeName::CentralDifference, 0.0);
-    let dt = spectrum.enclose(&penalty, None).unwrap().seconds();
-    let modes = central_modes(&pencil, &penalty);
-    for (c, grows) in [(numbers.next(), false), (1.0 - 1e-4, false), (1.001, true)] {
-        // z^2 - (2 - dt^2 l) z + 1 = 0: on the circle exactly while dt^2 l <= 4.
-        assert_eq!((c * dt).powi(2) * modes > 4.0, grows, "central differences at {c} of {dt}: {}", place());
+    let judge = Judge::new(&pencil, &penalty);
+    let step = spectrum.enclose(&penalty, None).unwrap();
+    for c in [numbers.next(), numbers.next(), 0.97, 1.0 - 1e-9, 1.0] {
+        let dt = c * step.lower();
+        assert!(!judge.central_difference_grows(dt), "central differences at {c} of {step:?}: {}", place());
+    }
+    for c in [1.0 + 1e-9, 1.001, 1.5] {
+        let dt = c * step.upper();
+        assert!(judge.central_difference_grows(dt), "central differences at {c} of {step:?}: {}", place());
     }
     let limit = limit_of(&model, &pencil, SchemeName::PredictorCorrector, 0.0);
     let step = limit.enclose(&penalty, None).unwrap();
     let far = 2.0 / free_of(&*limit).value.sqrt();
     let dt = step.lower();
-    let judge = Judge::new(&pencil, &penalty);
     for c in [numbers.next(), numbers.next(), 0.97, 1.0 - 1e-6, 1.0] {
         assert!(!judge.predictor_corrector_grows(c * dt), "grows at {c} of {dt}, dt_c = {far}: {}", place());
     }
-    let bound = step.evidence == Evidence::LowerBound;
-    let mut seen = 0;
-    if !bound {
-        let predicted = limit.growth(&penalty, &step, 1.001).unwrap();
-        let grows = judge.predictor_corrector_grows(1.001 * step.seconds());
-        assert!(
-            grows || predicted < 2.0 * SEEN,
-            "stable above {step:?}, predicted {predicted:e}: {}",
-            place()
-        );
-        seen = usize::from(grows);
-    }
-    assert!(dt <= step.upper() && step.upper().is_finite(), "{step:?}: {}", place());
-    if bound {
-        let (above, grows) = (1.0 + 1e-6, |dt| judge.predictor_corrector_grows(dt));
-        assert!(grows(above * step.upper()), "stable above {step:?}: {}", place());
-    }
-    let short = dt < 0.999 * far;
-    let grown = outside(&scaled_pair(&dense.predictor_corrector(1.5 * dt), &pencil, dt)).0 > 0;
-    [usize::from(bound), usize::from(bound && short), usize::from(bound && short && grown), seen]
-}
-
-/// l_max(K + K_p, M + M_p) by the dense eigenvalues of a symmetric matrix.
-fn central_modes(pencil: &Pencil, penalty: &Penalty) -> f64 {
-    let (mut k, mut m) = (full(pencil.stiffness()), full(pencil.mass()));
-    add_contacts(pencil, penalty, &mut k, &mut m);
-    let n = k.nrows();
-    let unit: Vec<f64> = (0..n).map(|i| m[(i, i)].sqrt()).collect();
-    let by_unit = |a: &Mat<f64>| Mat::from_fn(n, n, |i, j| a[(i, j)] / unit[i] / unit[j]);
-    let factor = by_unit(&m).llt(Side::Lower).unwrap();
-    let mut reduced = by_unit(&k);
-    for _ in 0..2 {
-        solve_lower_triangular_in_place(factor.L(), reduced.as_mut(), Par::Seq);
-        reduced = reduced.transpose().to_owned();
-    }
-    reduced.self_adjoint_eigenvalues(Side::Lower).unwrap()[n - 1]
-}
-
-/// The matrix for the states (u, dt v), each node by the root of its mass.
-fn scaled_pair(matrix: &Mat<f64>, pencil: &Pencil, dt: f64) -> Mat<f64> {
-    let n = pencil.size();
-    let unit = |i: usize| pencil.mass().diagonal(i % n).sqrt() * dt.powi((i / n) as i32);
-    Mat::from_fn(2 * n, 2 * n, |i, j| matrix[(i, j)] * unit(i) / unit(j))
+    let (bound, grows) = (step.evidence == Evidence::LowerBound, |dt| judge.predictor_corrector_grows(dt));
+    let above = if bound { 1.0 + 1e-6 } else { 1.001 };
+    assert!(grows(above * step.upper()), "stable above {step:?}: {}", place());
+    let short = bound && dt < 0.999 * far;
+    [usize::from(bound), usize::from(short), usize::from(short && grows(1.5 * dt))]
 }
 
 /// Contact by contact dt^2 s'_j mu_j <= 1 would allow 1.22 times the bound, and the scheme grows there by 36 % a step.

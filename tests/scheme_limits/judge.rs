@@ -1,20 +1,24 @@
 //! Whether a scheme grows, where f64 cannot tell: its amplification matrix and the powers of it in double-double arithmetic.
 //!
-//! Rigid motion has the defective multiplier 1, the limit of the Park scheme a multiplier next to -1, and what damps
-//! nothing stays on the circle: f64 splits these by 1e-8 and more. Here they are split by some 1e-15. T^N is found by
-//! squaring: its norm grows like N at most where T is stable, like exp(N g) where a multiplier has |z| = 1 + g.
+//! T^N is found by squaring: its norm stays where T is stable and grows like exp(N g) where a multiplier has |z| = 1 + g.
+//! The multiplier 1 of rigid motion is defective, and rounding would split it by sqrt(2^-106). So the translation of all
+//! bars, which no closed contact sees, is given a frequency: K + c (M 1)(M 1)'/(1'M 1) leaves every other mode as it is. What
+//! remains moves by 2^-106 times its condition, which is large where two multipliers nearly meet at -1: at the limit of
+//! central differences, whose growth begins so fast that shorter powers do.
 
 use bipenalty::double_double::Dd;
 use bipenalty::pencil::{Matrix, Penalty, Pencil};
 
-/// N = 2^44.
-const SQUARINGS: u32 = 44;
+/// N = 2^64 for schemes that grow slowly above a limit, 2^44 for central differences: growth of 20/N is seen, 1.1e-18 and
+/// 1.2e-12 a step.
+const SQUARINGS: u32 = 64;
+const FEWER: u32 = 44;
 
-/// What ln |T^N| gains over the last four squarings at most where T is stable: 4 ln 2 for rigid motion, and room for the
-/// beats of multipliers on the circle. So growth of 20/2^44 = 1.2e-12 a step is seen.
+/// What ln |T^N| gains over the last four squarings at most where T is stable: 4 ln 2 while two multipliers at -1 are not
+/// yet apart, and room for the beats of multipliers on the circle.
 const STABLE_GAIN: f64 = 20.0;
 
-/// Norms beyond exp(150) are growth at once: the states are scaled, and 2^44 = exp(30).
+/// Norms beyond exp(150) are growth at once: the states are scaled, and 2^64 = exp(44).
 const CERTAIN: f64 = 150.0;
 
 /// A dense matrix row by row.
@@ -87,6 +91,8 @@ pub struct Judge {
     free: Block,
     /// (M + Z m Z')^-1 Z s Z'.
     contact: Block,
+    /// (M + Z m Z')^-1 (K + Z s Z').
+    closed: Block,
 }
 
 fn full(matrix: &Matrix) -> Block {
@@ -96,10 +102,31 @@ fn full(matrix: &Matrix) -> Block {
     full
 }
 
+/// Gives the translation of all bars, where nothing holds it, a frequency far below the highest.
+fn hold_translation(pencil: &Pencil, k: &mut Block, m: &Block) {
+    let (n, zero) = (pencil.size(), Dd::from(0.0));
+    let sum = |matrix: &Block, i: usize| matrix.row(i).iter().fold(zero, |sum, a| sum + *a);
+    let is_seen = pencil.gaps().iter().any(|gap| gap.column.0.iter().map(|(_, z)| z).sum::<f64>() != 0.0);
+    if is_seen || (0..n).any(|i| sum(k, i) != zero) {
+        return;
+    }
+    let mass: Vec<Dd> = (0..n).map(|i| sum(m, i)).collect();
+    let total = mass.iter().fold(zero, |sum, m| sum + *m);
+    // The mean of l is about the trace of K over that of M.
+    let trace = |matrix: &Block| (0..n).map(|i| matrix.at(i, i).hi).sum::<f64>();
+    let frequency = Dd::from(trace(k) / trace(m) / 64.0);
+    for i in 0..n {
+        for j in 0..n {
+            k.entries[i * n + j] = k.at(i, j) + frequency * mass[i] * mass[j] / total;
+        }
+    }
+}
+
 impl Judge {
     pub fn new(pencil: &Pencil, penalty: &Penalty) -> Self {
         let n = pencil.size();
-        let (k, m) = (full(pencil.stiffness()), full(pencil.mass()));
+        let (mut k, m) = (full(pencil.stiffness()), full(pencil.mass()));
+        hold_translation(pencil, &mut k, &m);
         let (mut kp, mut mp) = (Block::new(n, n, |_, _| Dd::from(0.0)), m.clone());
         for gap in pencil.gaps() {
             let s = Dd::from(penalty.stiffness) * Dd::from(gap.scale);
@@ -115,7 +142,8 @@ impl Judge {
             }
         }
         let units = (0..n).map(|i| pencil.mass().diagonal(i).sqrt()).collect();
-        Self { units, free: m.solve(k), contact: mp.solve(kp) }
+        let closed = mp.clone().solve(k.plus(Dd::from(1.0), &kp));
+        Self { units, free: m.solve(k), contact: mp.solve(kp), closed }
     }
 
     /// u and v as functions of (u, v).
@@ -124,13 +152,20 @@ impl Judge {
         [0, 1].map(|part| Block::new(n, 2 * n, |i, j| Dd::from(f64::from(u8::from(j == part * n + i)))))
     }
 
+    /// Whether central differences grow at dt.
+    pub fn central_difference_grows(&self, dt: f64) -> bool {
+        let ([u, v], step) = (self.start(), Dd::from(dt));
+        let v = v.plus(-step, &self.closed.times(&u));
+        self.grows(&u.plus(step, &v), &v, dt, FEWER)
+    }
+
     /// Whether the predictor-corrector grows at dt.
     pub fn predictor_corrector_grows(&self, dt: f64) -> bool {
         let ([u, v], step) = (self.start(), Dd::from(dt));
         let v = v.plus(-step, &self.free.times(&u));
         let predicted = u.plus(step, &v);
         let v = v.plus(-step, &self.contact.times(&predicted));
-        self.grows(&u.plus(step, &v), &v, dt)
+        self.grows(&u.plus(step, &v), &v, dt, SQUARINGS)
     }
 
     /// Whether the Park scheme as the paper writes it (4.5) grows at dt, with dt_c = `far`. Its a = -(M^-1 K + C) u.
@@ -151,42 +186,42 @@ impl Judge {
         let pushed = u.plus(step, &v).plus(half * step * step, &a);
         let displacement = zero.plus(theta, &pulled).plus(one - theta, &pushed);
         let rate = zero.plus(minus, &force.times(&displacement));
-        self.grows(&displacement, &v.plus(half * step, &a).plus(half * step, &rate), dt)
+        self.grows(&displacement, &v.plus(half * step, &a).plus(half * step, &rate), dt, SQUARINGS)
     }
 
-    /// Whether some multiplier of the map (u, v) -> (`u`, `v`) is outside the unit circle by more than 1.2e-12; in the states
-    /// (u, dt v), each node in its unit.
-    fn grows(&self, u: &Block, v: &Block, dt: f64) -> bool {
+    /// Whether some multiplier of the map (u, v) -> (`u`, `v`) is outside the unit circle by more than 20/2^`squarings`; in the
+    /// states (u, dt v), each node in its unit.
+    fn grows(&self, u: &Block, v: &Block, dt: f64, squarings: u32) -> bool {
         let n = self.units.len();
         let unit = |i: usize| self.units[i % n] * if i < n { 1.0 } else { dt };
         let mut power = Block::new(2 * n, 2 * n, |i, j| {
             let entry = if i < n { u.at(i, j) } else { v.at(i - n, j) };
             entry * Dd::from(unit(i)) / Dd::from(unit(j))
         });
-        // ln |T^N| with T^N = exp(logarithm) power.
-        let mut logarithm = 0.0;
+        // T^N = 2^exponent power; a whole number, as each rounding would be doubled with every squaring.
+        let mut exponent = 0.0;
         let mut gained = 0.0;
-        for squaring in 0..=SQUARINGS {
-            let norm = power.norm();
+        for squaring in 0..=squarings {
+            let own = power.norm().log2().round();
             // A power of two, so that nothing is rounded.
-            let exponent = norm.log2().round();
-            let scale = Dd::from(2f64.powi(-exponent as i32));
-            logarithm += exponent * std::f64::consts::LN_2;
+            let scale = Dd::from(2f64.powi(-own as i32));
+            exponent += own;
+            let logarithm = exponent * std::f64::consts::LN_2;
             if logarithm < -1.0 {
                 return false;
             }
             if logarithm > CERTAIN {
                 return true;
             }
-            if squaring == SQUARINGS - 4 {
+            if squaring == squarings - 4 {
                 gained = logarithm;
             }
             power.entries.iter_mut().for_each(|a| *a = *a * scale);
-            if squaring < SQUARINGS {
+            if squaring < squarings {
                 power = power.times(&power);
-                logarithm *= 2.0;
+                exponent *= 2.0;
             }
         }
-        logarithm - gained > STABLE_GAIN
+        exponent * std::f64::consts::LN_2 - gained > STABLE_GAIN
     }
 }

@@ -132,14 +132,7 @@ fn the_beginning_of_a_swing_is_not_growth() {
 /// Three unlike bars on a wall, whose predictor-corrector limit is known from below only.
 #[test]
 fn unlike_contacts_have_limits_of_central_differences_and_of_park() {
-    let bar = |elements: usize, density: f64| Bar {
-        length: elements as f64,
-        elements,
-        youngs_modulus: 1.0,
-        density,
-        area: 1.0,
-        velocity: 0.0,
-    };
+    let bar = |elements: usize, density: f64| Bar { density, ..Bar::unit(elements) };
     let bars = vec![bar(3, 1.0), bar(1, 4.0), bar(2, 2.0)];
     let scene = Scene::new("three", End::Free, bars, End::Wall, None).unwrap();
     for mass in MASSES {

@@ -6,7 +6,7 @@ use bipenalty::scene::{End, Impact, Scene, built_in};
 use bipenalty::schemes::{ContactRule, SchemeName};
 use bipenalty::stability::Model;
 use bipenalty::verify::PenaltyPoint;
-use bipenalty::verify::opening::{Gain, LinearLimit, Load, energy_gain, energy_put_in};
+use bipenalty::verify::opening::{Gain, LinearLimit, Load, energy_gain, energy_put_in, is_proven};
 
 use super::energy::leapfrog_energy;
 use super::{MASSES, unit_bar};
@@ -150,6 +150,24 @@ fn the_predictor_corrector_gains_nothing_below_its_limit() {
         }
     }
     assert!(switches > 10_000, "{switches}");
+}
+
+/// Where the theorem speaks: no contact may be closed at the start or a step before, be it one of three.
+#[test]
+fn the_theorem_asks_for_open_contacts() {
+    let proven = |speeds: [f64; 3], gaps: Vec<f64>, scheme: SchemeName| {
+        let bars = speeds.map(|v| unit_bar(2, v)).to_vec();
+        let impact = Impact { duration: 1.0, gaps, gravity: 0.0 };
+        let scene = Scene::new("three", End::Free, bars, End::Wall, Some(impact)).unwrap();
+        let model = Model::new(scene, MassMatrix::CONSISTENT, PenaltyMass::Consistent);
+        is_proven(&model, scheme.scheme())
+    };
+    let predictor_corrector = SchemeName::PredictorCorrector;
+    assert!(proven([3.0, 2.0, 1.0], vec![0.0, 0.1, 0.0], predictor_corrector));
+    assert!(!proven([3.0, 2.0, 1.0], vec![0.0, -0.1, 0.0], predictor_corrector));
+    assert!(!proven([3.0, 1.0, 2.0], vec![0.0; 3], predictor_corrector));
+    assert!(!proven([3.0, 2.0, -1.0], vec![0.0; 3], predictor_corrector));
+    assert!(!proven([3.0, 2.0, 1.0], vec![0.0; 3], SchemeName::CentralDifference));
 }
 
 /// A bar thrown at speed v and pressed by b = v c/L: kinetic rho A L v^2/2, and 4 V with V = rho A L (b L/c)^2/6. Its

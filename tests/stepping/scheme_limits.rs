@@ -174,7 +174,7 @@ impl Motion for Fluttering {
 /// There is no limit to be found between the steps that grow fast enough to be seen and those that do not.
 #[test]
 fn flutter_has_no_stable_step() {
-    let bar = Bar { length: 3.0, elements: 3, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 };
+    let bar = Bar::unit(3);
     let scene = Scene::new("flutter", End::Free, vec![bar.clone(), bar], End::Free, None).unwrap();
     let model = Model::new(scene, MassMatrix::CONSISTENT, PenaltyMass::Consistent);
     let search = Search::to(1e-3, &Circulatory).unwrap();

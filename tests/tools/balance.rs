@@ -103,3 +103,35 @@ fn sparse_rows_change_no_error() {
         assert_eq!(row(every), dense);
     }
 }
+
+/// What central differences store in a closed contact, s g^2/2 + m w^2/2, from the gaps of the file: w at the time of a row is
+/// the mean of the gap rates on either side. The balance alone would close without it, as the loss is what it leaves.
+#[test]
+fn the_contact_stores_what_its_gaps_say() {
+    let scratch = Scratch::new("stored");
+    impact(
+        &scratch,
+        "signorini --mass lumped --beta-s 1,10 --scheme central-difference --format csv --out out -q",
+    );
+    for beta_s in [1.0, 10.0] {
+        let csv = scratch.read(&format!("out/signorini-lumped-central-difference-beta{beta_s}-r1.csv"));
+        let csv = String::from_utf8(csv).unwrap();
+        let [time, gap, stored] = ["time", "relative_gap", "penalty_energy"].map(|name| numbers(&csv, name));
+        // h = 0.1 m, EA/h = 1e3 N/m, c0 = 100 m/s: omega_e^2 = 4 (c0/h)^2.
+        let (length, stiffness) = (0.1, 1e3 * beta_s);
+        let mass = stiffness / 4e6;
+        let largest = stored.iter().copied().fold(0.0, f64::max);
+        let mut moving = 0;
+        for i in 1..gap.len() - 1 {
+            if gap[i - 1..=i + 1].iter().any(|gap| *gap <= 0.0) {
+                continue;
+            }
+            let rate = length * (gap[i + 1] - gap[i - 1]) / (time[i + 1] - time[i - 1]);
+            let [spring, inertia] = [0.5 * stiffness * (length * gap[i]).powi(2), 0.5 * mass * rate * rate];
+            // A gap, its rate and their squares: some 20 roundings, of a rate of the size of g/dt.
+            assert!((stored[i] - spring - inertia).abs() <= 1e-12 * largest, "row {i} of {beta_s}");
+            moving += usize::from(inertia > 1e-3 * largest);
+        }
+        assert!(moving > 10, "{beta_s}: {moving} rows");
+    }
+}

@@ -17,13 +17,14 @@ use uses::Seen::{All, Column, Holds, Other, Refused};
 use uses::{BAR, IMPACT, POINTS, USES, column};
 
 /// The tools, each with arguments that make a run of a moment.
-const TOOLS: [(&str, &str, &str); 10] = [
+const TOOLS: [(&str, &str, &str); 11] = [
     ("stability-map", env!("CARGO_BIN_EXE_stability-map"), POINTS),
     ("optimal-ratio", env!("CARGO_BIN_EXE_optimal-ratio"), POINTS),
     ("scheme-limits", env!("CARGO_BIN_EXE_scheme-limits"), BAR),
     ("contact-impact", env!("CARGO_BIN_EXE_contact-impact"), IMPACT),
     ("verify-limits", env!("CARGO_BIN_EXE_verify-limits"), POINTS),
     ("mesh-limits", env!("CARGO_BIN_EXE_mesh-limits"), "rules --quick"),
+    ("impact-studies", env!("CARGO_BIN_EXE_impact-studies"), "penalty --quick"),
     ("extreme-cases", env!("CARGO_BIN_EXE_extreme-cases"), "density"),
     ("work-precision", env!("CARGO_BIN_EXE_work-precision"), "--quick --peers none"),
     ("step-speed", env!("CARGO_BIN_EXE_step-speed"), ""),

@@ -27,6 +27,11 @@ pub(super) struct ArrangedPanel<'a> {
 }
 
 impl ArrangedPanel<'_> {
+    fn shows_anything(&self) -> bool {
+        let mut layers = self.placed.panel.layers.iter().zip(&self.traces);
+        layers.any(|(layer, trace)| matches!(layer, Layer::Cells { .. }) || !trace.is_empty())
+    }
+
     fn has_homeless_series(&self) -> bool {
         let layers = &self.placed.panel.layers;
         self.names.homeless.iter().any(|index| is_series(&layers[*index]))
@@ -48,6 +53,9 @@ impl Figure {
     pub(super) fn draw(&self, form: Form) -> Result<String, PlotError> {
         let fonts = Fonts::new()?;
         let page = self.arrange(&fonts)?;
+        if !page.panels.iter().any(ArrangedPanel::shows_anything) {
+            return Err(PlotError::NothingVisible);
+        }
         let height = page.height + page.legend.height();
         let mut canvas = Canvas::new(&fonts, form, (page.width, height));
         for arranged in &page.panels {

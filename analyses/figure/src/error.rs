@@ -89,6 +89,17 @@ pub enum PlotError {
         /// What is wrong with it.
         problem: &'static str,
     },
+    /// The built-in font lacks a character.
+    #[error("label `{label}`: the built-in font has no {character:?}")]
+    Character {
+        /// The label.
+        label: String,
+        /// The character.
+        character: char,
+    },
+    /// The axes have ranges outside of which all of the figure lies.
+    #[error("nothing lies within the ranges of the axes")]
+    NothingVisible,
     /// A built-in font could not be read.
     #[error("the built-in font cannot be read")]
     Font,

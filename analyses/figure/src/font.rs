@@ -85,6 +85,10 @@ impl Fonts {
                 x += SCRIPT_GAP * em;
             }
             let (y, size) = (y * em, scale * em);
+            if let Some(character) = run.text.chars().find(|character| self.0.glyph_id(*character).0 == 0) {
+                let label = label.to_owned();
+                return Err(PlotError::Character { label, character });
+            }
             let units: f64 = run.text.chars().map(|character| self.advance(character)).sum();
             let width = units / self.units_per_em() * size;
             descent = descent.max(self.depth(&run) * size + y);
@@ -93,6 +97,11 @@ impl Fonts {
             x += width;
         }
         Ok(Line { pieces, width: x, ascent, descent })
+    }
+
+    /// Refuses a label that cannot be printed, whatever its length.
+    pub(super) fn check(&self, label: &str) -> Result<(), PlotError> {
+        self.line(label, LEAST_SIZE).map(drop)
     }
 
     /// How far a run reaches below its baseline, em; negative if it stays above.

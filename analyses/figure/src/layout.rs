@@ -30,8 +30,7 @@ pub(super) struct PlacedPanel<'a> {
     pub(super) reach: f64,
 }
 
-/// Which axes of a panel carry numbers and labels. Panels of a column with one horizontal axis are labelled below the
-/// lowest, panels of a row with one vertical axis left of the first.
+/// Which axes of a panel carry numbers and labels: those that are not the axis of the panel below, and of the one on the left.
 #[derive(Clone, Copy)]
 pub(super) struct Labelled {
     pub(super) x: bool,
@@ -44,6 +43,13 @@ pub(super) struct Sizes {
     pub(super) title: f64,
     pub(super) x: f64,
     pub(super) y: f64,
+}
+
+impl Sizes {
+    /// The smaller of each: labels of one kind have one size in a figure.
+    fn smaller(self, other: Self) -> Self {
+        Self { title: self.title.min(other.title), x: self.x.min(other.x), y: self.y.min(other.y) }
+    }
 }
 
 /// The colour bar with its place on the page.
@@ -80,6 +86,9 @@ struct Margins {
 /// Space left of a frame whose axis is labelled elsewhere, and below one, mm.
 const BARE_LEFT: f64 = PADDING;
 const BARE_BOTTOM: f64 = MAJOR_TICK + GAP;
+
+/// Height of all frames of a column together, mm: with titles, labels and a legend they fit on a page with its caption.
+const MOST_HEIGHT: f64 = 140.0;
 
 /// Height over width of a frame: what can be drawn.
 const ASPECTS: std::ops::RangeInclusive<f64> = 0.05..=20.0;
@@ -126,7 +135,9 @@ pub(super) fn layout<'a>(
     let bar = figure.colour_bar.as_ref().zip(shades.map(|(interval, _)| interval));
     let (size, margins) = plan.fit(bar)?;
     let panels = (0..figure.panels.len()).map(|index| plan.place(figure, index, size, &margins));
-    let panels = panels.collect::<Result<Vec<_>, PlotError>>()?;
+    let mut panels = panels.collect::<Result<Vec<_>, PlotError>>()?;
+    let sizes = panels.iter().map(|panel| panel.sizes).reduce(Sizes::smaller);
+    panels.iter_mut().zip(sizes.into_iter().cycle()).for_each(|(panel, sizes)| panel.sizes = sizes);
     let height = rows as f64 * (margins.top + size.1) + margins.bottom.iter().sum::<f64>();
     let width = margins.left.iter().sum::<f64>() + columns as f64 * (size.0 + margins.right);
     let bar = bar.map(|(bar, interval)| -> Result<PlacedBar, PlotError> {
@@ -143,21 +154,18 @@ pub(super) fn layout<'a>(
     Ok(Layout { panels, bar: bar.transpose()?, height })
 }
 
-/// Which axes of each panel are labelled; an incomplete last row leaves the panel above it the lowest of its column.
+/// Which axes of each panel are labelled; above the gap of an incomplete last row they are.
 fn labelled(figure: &Figure, axes: &[(Interval, Interval)], columns: usize) -> Vec<Labelled> {
     let same = |one: &Axis, i: Interval, other: &Axis, j: Interval| {
         (&one.label, &one.names, one.scale) == (&other.label, &other.names, other.scale)
             && (i.low, i.high) == (j.low, j.high)
     };
     let panels = &figure.panels;
-    let of = |i: usize| {
-        let beside = |j: &usize| j / columns == i / columns;
-        let below = |j: &usize| j % columns == i % columns;
-        let shares_y =
-            (0..panels.len()).filter(beside).all(|j| same(&panels[i].y, axes[i].1, &panels[j].y, axes[j].1));
-        let shares_x =
-            (0..panels.len()).filter(below).all(|j| same(&panels[i].x, axes[i].0, &panels[j].x, axes[j].0));
-        Labelled { x: !shares_x || i + columns >= panels.len(), y: !shares_y || i.is_multiple_of(columns) }
+    let of = |i: usize| Labelled {
+        x: panels
+            .get(i + columns)
+            .is_none_or(|below| !same(&panels[i].x, axes[i].0, &below.x, axes[i + columns].0)),
+        y: i.is_multiple_of(columns) || !same(&panels[i].y, axes[i].1, &panels[i - 1].y, axes[i - 1].1),
     };
     (0..panels.len()).map(of).collect()
 }
@@ -186,7 +194,7 @@ impl Plan<'_> {
             if self.side > MAX_LABEL_SHARE * share || frame < MIN_FRAME {
                 return Err(PlotError::TooNarrow { columns, width });
             }
-            size = (frame, frame * self.figure.aspect);
+            size = (frame, (frame * self.figure.aspect).min(MOST_HEIGHT / self.rows as f64));
         }
         Ok((size, margins))
     }
@@ -212,6 +220,8 @@ impl Plan<'_> {
             // The last tick label may reach beyond the frame by half its width.
             let reach = if self.labelled[index].x { widest(&x_ticks, self.fonts)? / 2.0 } else { 0.0 };
             margins.right = margins.right.max(reach);
+            // So may the first, towards the last one of the panel on the left.
+            margins.left[column] = margins.left[column].max(BARE_LEFT + reach);
             let head = match &panel.title {
                 Some(_) => text_height(TITLE_SIZE) + self.title_rise(index, TITLE_SIZE, size)? - 2.0 * GAP,
                 None if self.figure.tags => {
@@ -261,6 +271,9 @@ impl Plan<'_> {
             margins.bottom[..row].iter().sum::<f64>() + row as f64 * (margins.top + size.1) + margins.top;
         let (x_ticks, y_ticks) = self.ticks(index, size)?;
         let sizes = self.sizes(index, size, margins)?;
+        // Titles stand on one line, for which the place was kept at full size.
+        let rises = (0..figure.panels.len()).map(|index| self.title_rise(index, TITLE_SIZE, size));
+        let title_rise = rises.collect::<Result<Vec<_>, _>>()?.into_iter().fold(0.0, f64::max);
         Ok(PlacedPanel {
             panel,
             frame: Frame { rect: Rect::new(left, top, size.0, size.1), x, y },
@@ -269,8 +282,7 @@ impl Plan<'_> {
             tag: tag(figure, index),
             labelled: self.labelled[index],
             sizes,
-            // The place for the title was kept for one of full size.
-            title_rise: self.title_rise(index, TITLE_SIZE, size)?,
+            title_rise,
             reach: margins.left[column] - PADDING,
         })
     }
@@ -279,7 +291,9 @@ impl Plan<'_> {
     fn sizes(&self, index: usize, size: (f64, f64), margins: &Margins) -> Result<Sizes, PlotError> {
         let panel = &self.figure.panels[index];
         let (row, column) = (index / self.columns, index % self.columns);
-        let across = size.0 + 2.0 * (margins.left[column].min(margins.right) - GAP);
+        // The label of the vertical axis may be longer than the frame: nothing reaches above or below it.
+        let label = if self.labelled[index].y { PADDING + text_height(AXIS_SIZE) } else { 0.0 };
+        let across = size.0 + 2.0 * ((margins.left[column] - label).min(margins.right) - GAP);
         let along = size.1 + 2.0 * (margins.top.min(margins.bottom[row]) - GAP);
         let title = panel.title.as_ref();
         Ok(Sizes {

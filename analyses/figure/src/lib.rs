@@ -67,11 +67,19 @@ mod trace;
 #[cfg(test)]
 mod tests;
 
+/// Refuses a label (markup) that no figure can print: markup that is not closed, a character that the font lacks.
+///
+/// # Errors
+/// [`PlotError::Markup`], [`PlotError::Character`].
+pub fn check_label(label: &str) -> Result<(), PlotError> {
+    font::Fonts::new()?.check(label)
+}
+
 pub use error::PlotError;
 pub use isolines::isolines;
 pub use markup::literal;
 pub use model::{
     At, Axis, ColourBar, ColourMap, DataPoint, Figure, Layer, Lettering, Naming, Panel, Scale, Side, Source,
-    Width,
+    Width, styled,
 };
 pub use tex::TexSource;

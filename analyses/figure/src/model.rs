@@ -235,11 +235,18 @@ pub enum At {
     Y(f64),
 }
 
+/// The style of this colour and dash, each the index of a style below 9.
+pub fn styled(colour: usize, dash: usize) -> usize {
+    const ROUND: usize = 9;
+    let (colour, dash) = (colour % ROUND, dash % ROUND);
+    colour + ROUND * ((dash + ROUND - colour) % ROUND)
+}
+
 /// Something drawn between the axes. Labels are markup, see [`crate`].
 /// A `style` picks colour, dash and marker shape together, so that equal styles look equal: 0 blue,
 /// solid, disc; 1 vermilion, dashed, square; 2 green, dotted, triangle; 3 purple, dash-dotted,
 /// diamond; 4 black; 5 orange; 6 sky blue; 7 grey; 8 light grey, solid and thin, for what swings behind the others; then again from 0, with filled markers for
-/// open ones.
+/// open ones and each colour with the dash of the next: [`styled`] picks both.
 #[derive(Clone, Debug)]
 pub enum Layer {
     /// Predicted values, joined; a point that is not finite leaves a gap.

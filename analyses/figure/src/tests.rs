@@ -77,6 +77,12 @@ fn mistakes_are_named() {
     figure.panels[0].layers.push(Layer::curve(vec![(0.0, f64::NAN)], "empty", 3));
     assert!(matches!(figure.svg(), Err(PlotError::EmptyLayer { label, .. }) if label == "empty"));
 
+    let mut figure = curves();
+    figure.panels[0].y.range = Some((5.0, 6.0));
+    assert!(matches!(figure.svg(), Err(PlotError::NothingVisible)));
+    assert!(matches!(check_label("C_r"), Err(PlotError::Markup { .. })));
+    assert!(matches!(check_label("time 時"), Err(PlotError::Character { character: '時', .. })));
+
     let mut figure = maps();
     figure.colour_bar = None;
     assert!(matches!(figure.svg(), Err(PlotError::NoColourBar)));
@@ -86,8 +92,8 @@ fn mistakes_are_named() {
     assert!(matches!(figure.svg(), Err(PlotError::LabelTooLong { .. })));
 
     let mut figure = curves();
-    figure.panels[0].y =
-        Axis::linear("*C*_{r}").named(0.5, "a number that leaves no room for the chart of it");
+    figure.panels[0].y = Axis::linear("*C*_{r}")
+        .named(0.5, "a number that leaves no room for the chart of it at all, whatever is done");
     assert!(matches!(figure.svg(), Err(PlotError::TooNarrow { .. })));
     figure.panels.clear();
     assert!(matches!(figure.svg(), Err(PlotError::NoPanels)));
@@ -111,11 +117,11 @@ fn alike_axes_are_labelled_once_and_others_each() {
     figure.panels.pop();
     let svg = figure.svg().expect("valid figure");
     assert_eq!((count(&svg, "βs"), count(&svg, "Cr")), (2, 3));
-    // Another range in one panel: its column and its row have labels everywhere.
+    // Another range in one panel: the neighbours that are read by it have labels of their own.
     figure.panels[0].x.range = Some((0.0, 5.0));
     figure.panels[0].y.range = Some((0.0, 2.0));
     let svg = figure.svg().expect("valid figure");
-    assert_eq!((count(&svg, "βs"), count(&svg, "Cr")), (4, 4));
+    assert_eq!((count(&svg, "βs"), count(&svg, "Cr")), (3, 4));
 }
 
 #[test]
@@ -126,16 +132,16 @@ fn as_many_columns_as_the_labels_allow() {
         rest.split_once("mm").and_then(|(number, _)| number.parse().ok()).expect("a number")
     };
     let mut figure = curves();
-    figure.columns = 20;
-    figure.panels = vec![figure.panels[0].clone(); 20];
-    let crowded = height(&figure);
-    figure.columns = 1;
-    assert!(2.0 * crowded < height(&figure), "{crowded}");
+    figure.panels = vec![figure.panels[0].clone(); 4];
+    let in_columns = |figure: &Figure, columns: usize| height(&Figure { columns, ..figure.clone() });
+    let (one, two) = (in_columns(&figure, 1), in_columns(&figure, 2));
+    // Four are too narrow to be drawn at all.
+    let four = in_columns(&figure, 4);
+    assert!(1.2 * four < one && four <= two, "{one} {two} {four}");
     // A title as wide as the page stands above one panel only.
-    figure.columns = 2;
-    let pairs = height(&figure);
     figure.panels[3].title = Some("a title that has no room above half of a column".to_owned());
-    assert!(height(&figure) > 1.8 * pairs);
+    let (alone, beside) = (in_columns(&figure, 1), in_columns(&figure, 2));
+    assert!(alone == beside && beside > 1.2 * two, "{alone} {beside} {two}");
 }
 
 #[test]
@@ -157,4 +163,15 @@ fn a_title_clears_the_power_of_ten_of_its_axis() {
     let long = tops("a title that is as long as the frame is");
     // Hundredths of a millimetre: beside each other, and one above the other.
     assert!((short[0] - short[1]).abs() < 100.0 && long[1] - long[0] > 200.0, "{short:?} {long:?}");
+}
+
+#[test]
+fn styles_are_made_of_a_colour_and_a_dash() {
+    for colour in 0..9 {
+        for dash in 0..9 {
+            let style = styled(colour, dash);
+            assert_eq!(theme::series_colour(style), theme::series_colour(colour));
+            assert_eq!(theme::series_dash(style), theme::series_dash(dash));
+        }
+    }
 }

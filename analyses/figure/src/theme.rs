@@ -147,9 +147,9 @@ pub(super) fn series_stroke(style: usize) -> f64 {
     if style % SERIES.len() == SERIES.len() - 1 { SWINGING_STROKE } else { CURVE_STROKE }
 }
 
-/// Dash pattern of this style, mm.
+/// Dash pattern of this style, mm; every round through the colours each has the next one.
 pub(super) fn series_dash(style: usize) -> &'static [f64] {
-    DASHES[style % DASHES.len()]
+    DASHES[(style + style / DASHES.len()) % DASHES.len()]
 }
 
 /// Marker of this style and whether it is filled; every second round through the styles turns that about.

@@ -20,6 +20,9 @@ const MINOR_DECADES: f64 = 8.0;
 /// Powers of ten written out as decimal numbers if all labels of an axis are among them.
 const PLAIN_DECADES: std::ops::RangeInclusive<i32> = -3..=3;
 
+/// Least distance of two digits, in rooms of a label.
+const CLOSEST: f64 = 0.55;
+
 /// ... and if the axis shows no more powers of ten than this.
 const MOST_PLAIN: usize = 3;
 
@@ -108,7 +111,15 @@ fn logarithmic(low: f64, high: f64, most: usize) -> Ticks {
         list(&[1], i32::try_from(stride).unwrap_or(i32::MAX))
     } else {
         let some = list(&[1, 2, 5], 1);
-        if some.len() >= 3 { some } else { list(&[1, 2, 3, 4, 5, 6, 7, 8, 9], 1) }
+        // Digits crowd together towards the next power: as many of them as stand apart.
+        let apart = |labels: &Vec<(u8, i32)>| {
+            let place = |&(digit, exponent): &(u8, i32)| at(digit, exponent).log10() / decades;
+            labels.windows(2).all(|pair| place(&pair[1]) - place(&pair[0]) >= CLOSEST / most as f64)
+        };
+        let digits: [&[u8]; 4] =
+            [&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 2, 3, 4, 6, 8], &[1, 2, 3, 5], &[1, 2, 4]];
+        let mut sets = digits.into_iter().map(|digits| list(digits, 1)).filter(apart);
+        if some.len() >= 3 { some } else { sets.next().unwrap_or(some) }
     };
     if labelled.len() < 2 {
         // Less than one digit wide: the axis is nearly linear, and so are its ticks.
@@ -166,6 +177,11 @@ mod tests {
     fn few_decades_show_twos_and_fives() {
         let result = ticks(Scale::Log, 0.03, 1.1, 6);
         assert_eq!(labels(&result), ["0.05", "0.1", "0.2", "0.5", "1"]);
+        // Less than a decade: 0.7, 0.8 and 0.9 would stand in each other where there is room for four labels.
+        let result = ticks(Scale::Log, 0.13, 0.92, 4);
+        assert_eq!(labels(&result), ["0.2", "0.3", "0.4", "0.6", "0.8"]);
+        let result = ticks(Scale::Log, 0.13, 0.92, 10);
+        assert_eq!(result.major.len(), 8, "{result:?}");
         let result = ticks(Scale::Log, 0.31, 0.34, 6);
         assert!(result.major.len() >= 2, "{result:?}");
     }

@@ -39,7 +39,14 @@ impl Clock {
     }
 }
 
-fn seconds(run: impl FnOnce()) -> f64 {
+/// The middle of some values, the upper one of two; NaN of none.
+pub fn median(values: &mut [f64]) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Seconds that `run` takes.
+pub fn seconds(run: impl FnOnce()) -> f64 {
     let start = Instant::now();
     run();
     start.elapsed().as_secs_f64()

@@ -39,8 +39,8 @@ impl Eigenproblem {
         if elements == 0 || !elements.is_multiple_of(2) {
             return Err(Refusal::new("elements", elements, "an even number of at least 2"));
         }
-        let on_wall = (vec![unit_bar(elements)], End::Wall);
-        let half = unit_bar(elements / 2);
+        let on_wall = (vec![Bar::unit(elements)], End::Wall);
+        let half = Bar::unit(elements / 2);
         let unequal = (vec![half.clone(), Bar { youngs_modulus: 2.0, area: 3.0, ..half }], End::Fixed);
         let (bars, mass, beta_s, ratio) = match name {
             "wall-consistent" => (on_wall, MassMatrix::CONSISTENT, 10.0, 2.0),
@@ -89,11 +89,6 @@ impl Eigenproblem {
             penalty: Penalty { stiffness: 1.0, rate: 1.0, ..Penalty::NONE },
         })
     }
-}
-
-/// Elements with E = rho = A = h = 1.
-fn unit_bar(elements: usize) -> Bar {
-    Bar { length: elements as f64, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 }
 }
 
 /// An exact l_max, rad^2/s^2: the nearest f64 and what is left.

@@ -23,7 +23,7 @@ mod measuring;
 mod methods;
 mod table;
 
-pub use clock::{Clock, Forecast};
+pub use clock::{Clock, Forecast, median, seconds};
 pub use eigenproblem::{EIGENPROBLEMS, Eigenproblem, ExactEigenvalue, ExactEigenvalues, SIZES};
 pub use impactproblem::{ImpactErrors, Impactproblem, SCENES};
 pub use measurement::{Family, Measurement, Status, mark_front};

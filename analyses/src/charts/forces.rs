@@ -5,7 +5,7 @@ use crate::record::CostRow;
 use bipenalty::schemes::explicit::ExplicitName;
 use figure::{Axis, Figure, Layer, Naming, Panel, Width, literal};
 
-const PER_FORCE: &str = "step per force / contact-free step";
+const PER_FORCE: &str = "relative step per force";
 /// Costs that stay below this are compared on a linear axis from 0, larger ones on a logarithmic one.
 const CHEAP: f64 = 5.0;
 

@@ -3,7 +3,7 @@
 
 use super::maps::{number, scene_name};
 use crate::record::{HistoryRow, Number, StressRow};
-use bipenalty::schemes::{ContactSearch, Facts};
+use bipenalty::schemes::{Facts, SchemeName};
 use figure::{Axis, Figure, Layer, Panel, Scale, Source, Width, literal};
 
 /// The records of one run, as the charts need them.
@@ -33,12 +33,18 @@ pub enum Quantity {
     Force,
     /// g/h over time while it is a penetration, logarithmic.
     Gap,
+    /// The largest g of all contacts over time while it is a penetration, m, logarithmic.
+    LargestGap,
     /// Kinetic and strain energy over time, J.
     Energy,
 }
 
 impl Quantity {
-    /// Every quantity with the name of its files.
+    /// Those of impacts of matrices and meshes.
+    pub const OF_MANY: [(&'static str, Self); 3] =
+        [("force", Self::Force), ("gap", Self::LargestGap), ("energy", Self::Energy)];
+
+    /// Those of bars, with the names of their files.
     pub const ALL: [(&'static str, Self); 3] =
         [("force", Self::Force), ("gap", Self::Gap), ("energy", Self::Energy)];
 
@@ -53,6 +59,7 @@ impl Quantity {
         match self {
             Self::Force => Axis::linear(format!("contact force *λ*{index} [N]")),
             Self::Gap => Axis::log(format!("penetration *g*{index} / *h*")),
+            Self::LargestGap => Axis::log("largest penetration *g* [m]"),
             Self::Energy => Axis::linear("kinetic + strain energy [J]"),
         }
     }
@@ -62,6 +69,7 @@ impl Quantity {
         match self {
             Self::Force => Some("contact_force"),
             Self::Gap => Some("relative_gap"),
+            Self::LargestGap => Some("largest_gap"),
             Self::Energy => None,
         }
     }
@@ -70,8 +78,8 @@ impl Quantity {
     fn value(self, row: &HistoryRow) -> f64 {
         match self {
             Self::Force => row.contact_force.0,
-            Self::Gap if row.relative_gap.0 > 0.0 => row.relative_gap.0,
-            Self::Gap => f64::NAN,
+            Self::Gap | Self::LargestGap if row.relative_gap.0 > 0.0 => row.relative_gap.0,
+            Self::Gap | Self::LargestGap => f64::NAN,
             Self::Energy => row.kinetic_energy.0 + row.strain_energy.0,
         }
     }
@@ -114,11 +122,11 @@ pub fn stresses(scene: &str, mass: &str, runs: &[RunRecord], exact: &ExactLine) 
 
 /// The ends of a logarithmic axis of these lines, without the few values of each, a step or two, at which contact only begins
 /// or ends: they may be as small as rounding, and would leave no room for the others.
-fn without_onsets(layers: &[Layer]) -> Option<(f64, f64)> {
+fn without_onsets(lines: &[Vec<(f64, f64)>]) -> Option<(f64, f64)> {
     /// A hundredth of the values of a line.
     const FEW: usize = 100;
-    let ends = layers.iter().filter_map(|layer| {
-        let mut values: Vec<f64> = layer.points().iter().map(|point| point.1).filter(|y| *y > 0.0).collect();
+    let ends = lines.iter().filter_map(|line| {
+        let mut values: Vec<f64> = line.iter().map(|point| point.1).filter(|y| *y > 0.0).collect();
         values.sort_by(f64::total_cmp);
         Some((*values.get(values.len() / FEW)?, *values.last()?))
     });
@@ -167,8 +175,7 @@ fn panels(
                 let (name, style) = (literal(run.scheme.title), style(run.scheme));
                 match envelope(&points, y.scale) {
                     // Equal names and styles: one entry of the legend for both.
-                    Some(lines) => layers
-                        .extend(lines.map(|line| Layer::curve(line, format!("{name} (envelope)"), style))),
+                    Some(lines) => layers.extend(lines.map(|line| Layer::curve(line, &*name, style))),
                     None => layers.push(Layer::curve(points, name, style).from_records(source)),
                 }
             }
@@ -179,10 +186,10 @@ fn panels(
         let numbers: Vec<String> = group.iter().map(|beta_s| number(*beta_s)).collect();
         let title =
             format!("{}, {}, *β*_{{s}} = {}", literal(&scene_name(scene)), literal(mass), numbers.join(", "));
-        let y = if y.scale == Scale::Log {
-            Axis { range: without_onsets(&layers), ..y.clone() }
-        } else {
-            y.clone()
+        let lines: Vec<Vec<(f64, f64)>> = of_panel.iter().map(|run| curve(run).0).collect();
+        let y = match y.scale {
+            Scale::Log => Axis { range: without_onsets(&lines), ..y.clone() },
+            Scale::Linear => y.clone(),
         };
         Panel::new(Axis::linear(x), y, layers).titled(title)
     };
@@ -191,8 +198,15 @@ fn panels(
     let mut figure = Figure::new(width, panels);
     figure.columns = figure.columns.min(2);
     figure.naming = figure::Naming::Legend;
+    if runs.iter().any(|run| envelope(&curve(run).0, y.scale).is_some()) {
+        let pairs = "pairs: range of swings";
+        figure.key = vec![Layer::curve(Vec::new(), pairs, LIGHT_GREY)];
+    }
     figure
 }
+
+/// The style of what swings behind the others.
+const LIGHT_GREY: usize = 8;
 
 /// The width of a line as a share of the height of a chart.
 const LINE: f64 = 0.005;
@@ -213,8 +227,8 @@ fn look_alike(one: &[(f64, f64)], other: &[(f64, f64)], scale: Scale) -> bool {
             .all(|(a, b)| a.0 == b.0 && (close(a.1, b.1) || (a.1.is_nan() && b.1.is_nan())))
 }
 
-/// The least and the largest values of a line that swings more often than print can tell apart: a block of ink would hide
-/// what lies behind it and say no more. `None` where its swings can be seen.
+/// A line twice, apart where it swings more often than print can tell: there by its least and its largest values, since a
+/// block of ink would hide what lies behind it and say no more. `None` where all its swings can be seen.
 fn envelope(points: &[(f64, f64)], scale: Scale) -> Option<[Vec<(f64, f64)>; 2]> {
     /// Swings that a panel of half a page, 70 mm, shows half a millimetre apart: three thin lines and their gaps.
     const MOST: usize = 140;
@@ -225,51 +239,101 @@ fn envelope(points: &[(f64, f64)], scale: Scale) -> Option<[Vec<(f64, f64)>; 2]>
         // Between 0 and `parts`, so that the cast drops the fraction.
         (((x - first) / (last - first) * parts as f64) as usize).min(parts - 1)
     };
+    let turns = turns(points, scale, |x| part(x, PARTS), PARTS);
+    // Two turns a swing.
+    let is_dense = |x: f64| turns[part(x, PARTS)] * PARTS > 2 * MOST;
+    if !points.iter().any(|point| is_dense(point.0)) {
+        return None;
+    }
+    Some([f64::min, f64::max].map(|of: fn(f64, f64) -> f64| {
+        let mut line: Vec<(f64, f64)> = Vec::new();
+        let mut window = None;
+        for (x, y) in points {
+            let here = is_dense(*x).then(|| part(*x, MOST));
+            match line.last_mut() {
+                // The smaller, and the larger, of a number and NaN is the number.
+                Some(end) if here.is_some() && here == window => end.1 = of(end.1, *y),
+                _ => line.push((*x, *y)),
+            }
+            window = here;
+        }
+        line
+    }))
+}
+
+/// How often a line turns in each of the parts; turns by less than the width of a line are none.
+fn turns(points: &[(f64, f64)], scale: Scale, part: impl Fn(f64) -> usize, parts: usize) -> Vec<usize> {
     let height = |y: f64| if scale == Scale::Log { y.ln() } else { y };
     let finite = || points.iter().filter(|point| point.1.is_finite());
     let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
         (low.min(height(point.1)), high.max(height(point.1)))
     });
-    let mut turns = [0_usize; PARTS];
-    // The last turning point and whether the line rises from there: turns by less than a line's width are none.
+    let mut turns = vec![0_usize; parts];
+    // The last turning point, and whether the line rises from the one before.
     let (mut turn, mut rises) = (f64::NAN, None);
     for point in finite() {
         let y = height(point.1);
         match rises {
             Some(up) if (y >= turn) == up => turn = y,
             _ if (y - turn).abs() > LINE * (high - low) => {
-                turns[part(point.0, PARTS)] += usize::from(rises.is_some());
+                turns[part(point.0)] += usize::from(rises.is_some());
                 (turn, rises) = (y, Some(y > turn));
             }
             _ if turn.is_nan() => turn = y,
             _ => (),
         }
     }
-    // Two turns a swing.
-    if turns.iter().max()? * PARTS <= 2 * MOST {
-        return None;
-    }
-    let mut lines = [f64::min, f64::max].map(|of: fn(f64, f64) -> f64| {
-        let mut line: Vec<(f64, f64)> =
-            (0..MOST).map(|i| (first + (i as f64 + 0.5) / MOST as f64 * (last - first), f64::NAN)).collect();
-        for (x, y) in finite() {
-            // The smaller, and the larger, of a number and NaN is the number.
-            let end = &mut line[part(*x, MOST)].1;
-            *end = of(*end, *y);
-        }
-        line
-    });
-    lines.iter_mut().for_each(|line| line[MOST - 1].0 = last);
-    Some(lines)
+    turns
 }
 
-/// A scheme that looks for contact only at the start of a step chatters on a stiff one: it stays grey and thin behind the others, and
-/// the one that is proven to gain nothing leads.
+/// Central differences chatter on a stiff contact: they stay grey and thin behind the others. The schemes of the paper lead; each of
+/// the others has a style of its own.
 fn style(scheme: Facts) -> usize {
-    const LIGHT_GREY: usize = 8;
-    match (scheme.search, scheme.gains_nothing) {
-        (ContactSearch::StartOfStep, _) => LIGHT_GREY,
-        (ContactSearch::Predictor, true) => 0,
-        (ContactSearch::Predictor, false) => 1,
+    let place = SchemeName::ALL.iter().position(|known| known.name() == scheme.name);
+    match place {
+        Some(0) => LIGHT_GREY,
+        // Predictor-corrector and Park are the second and the third.
+        Some(place) => place - 1,
+        None if scheme.gains_nothing => 0,
+        None => LIGHT_GREY + 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Smooth at first, then with so many swings from 0 to 2.
+    fn swinging(swings: f64) -> Vec<(f64, f64)> {
+        let wave = |x: f64| 1.0 - (std::f64::consts::TAU * 2.0 * swings * (x - 0.5)).cos();
+        (0..=20_000)
+            .map(|i| f64::from(i) / 20_000.0)
+            .map(|x| (x, if x < 0.5 { 0.0 } else { wave(x) }))
+            .collect()
+    }
+
+    #[test]
+    fn dense_swings_become_their_envelope_and_the_rest_stays() {
+        // Half the panel with 50 swings has them 0.7 mm apart, with 500 too dense.
+        assert!(envelope(&swinging(50.0), Scale::Linear).is_none());
+        let points = swinging(500.0);
+        let [low, high] = envelope(&points, Scale::Linear).expect("dense");
+        for (i, line) in [&low, &high].into_iter().enumerate() {
+            assert!(line[..10_000] == points[..10_000], "the smooth half");
+            let rest: Vec<f64> = line.iter().filter(|p| p.0 > 0.51).map(|p| p.1).collect();
+            assert!(rest.len() < 80 && rest.iter().all(|y| (y - 2.0 * i as f64).abs() < 1e-2), "{rest:?}");
+        }
+        // Rounding is no swing.
+        let noise: Vec<(f64, f64)> =
+            (0..2000_i32).map(|i| (f64::from(i), f64::from(i) + 1e-9 * f64::from(i % 2))).collect();
+        assert!(envelope(&noise, Scale::Linear).is_none());
+    }
+
+    #[test]
+    fn the_onset_of_contact_makes_no_axis() {
+        let points =
+            (0..1000).map(|i| (f64::from(i), if i < 3 { 1e-13 } else { 1e-3 + 1e-6 * f64::from(i) }));
+        let (low, high) = without_onsets(&[points.collect()]).expect("two values");
+        assert!(low > 0.9e-3 && high < 2.2e-3, "{low} {high}");
     }
 }

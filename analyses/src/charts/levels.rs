@@ -23,7 +23,7 @@ const NEUTRAL: f64 = 0.999;
 /// Levels closer than this share are one line to the eye.
 const APART: f64 = 0.03;
 /// Nor is there a level closer to an end of the range than this share of its logarithm.
-const EDGE: f64 = 0.04;
+const EDGE: f64 = 0.03;
 
 /// The levels of the rows of one model: the `asked` ones if any are, else round values between the smallest and the
 /// largest C_r, and the neutral level.

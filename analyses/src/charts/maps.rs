@@ -186,7 +186,10 @@ pub fn map(models: &[Vec<StabilityRow>], contours: &[ContourLines]) -> Figure {
             label: Some(level.label.clone()),
         };
         let rule = Layer::Rule { at: At::Y(1.0), label: Some("*r* = 1".to_owned()) };
-        let layers = std::iter::once(cells).chain(lines.iter().map(contour)).chain([rule]);
+        // A level that the user asks for may lie outside of this map.
+        let lines =
+            lines.iter().filter(|(_, points)| points.iter().any(|(x, y)| x.is_finite() && y.is_finite()));
+        let layers = std::iter::once(cells).chain(lines.map(contour)).chain([rule]);
         Panel::new(Axis::log(STIFFNESS), Axis::log(RATIO), layers.collect()).titled(title(rows))
     });
     let mut figure = figure(panels.collect());
@@ -209,7 +212,11 @@ pub fn titled_by_limit(mut figure: Figure, panels: &[Vec<StabilityRow>]) -> Figu
             _ => kept.push((panel, vec![name], rows)),
         }
     }
-    let titled = |(panel, names, rows): (Panel, Vec<String>, &[StabilityRow])| {
+    let titled = |(panel, mut names, rows): (Panel, Vec<String>, &[StabilityRow])| {
+        // Central differences have the spectrum's limit: the name of the scheme says more.
+        if names.len() > 1 {
+            names.retain(|name| name != "spectrum");
+        }
         let mass = rows.first().map_or(String::new(), |row| mass_name(&row.mass));
         panel.titled(literal(&format!("{}{mass}{}", names.join(" / "), bound_name(rows))))
     };

@@ -9,6 +9,7 @@ pub mod meshes;
 pub mod opening;
 mod optimal;
 pub mod precision;
+pub mod studies;
 mod units;
 pub mod verification;
 

@@ -39,8 +39,10 @@ pub fn gain_maps(rows: &[OpeningRow]) -> Figure {
             Layer::Markers { points: points.collect(), label, style, joined: true, source: None }
         };
         let mut layers: Vec<Layer> = schemes.iter().enumerate().map(layer).collect();
-        let counts = 1.0 / first.elements as f64;
-        layers.push(Layer::Rule { at: At::Y(counts), label: Some("one element".to_owned()) });
+        if let Some(elements) = first.elements {
+            let counts = At::Y(1.0 / elements as f64);
+            layers.push(Layer::Rule { at: counts, label: Some("one element".to_owned()) });
+        }
         let y = Axis::log(GAIN).over(NONE / 2.0, 2.0 * SHOWN.1).named(NONE, "0");
         let y = y.named(SHOWN.0, "≤ 10^{−4}").named(SHOWN.1, "≥ 10^{2}");
         panels.push(

@@ -1,6 +1,6 @@
 //! Error against run time, made of measurements only: one marker a measurement, the Pareto front as a line.
 
-use super::maps::scene_name;
+use super::maps::{number, scene_name};
 use figure::{Axis, Figure, Layer, Naming, Panel, Width, literal};
 use precision::{Family, Measurement, distinct};
 
@@ -12,30 +12,8 @@ const SECONDS: &str = "time [s]";
 /// How the methods that step at half the critical step end.
 const HALF: &str = "C=0.5";
 
-/// A method's name in the legend and its style: its own, since two lines of one kind say nothing.
+/// A method's name in the legend (markup) and its style: its own, since two lines of one kind say nothing.
 fn kind(method: &str) -> (String, usize) {
-    const KINDS: [(&str, &str, usize); 20] = [
-        ("closed-form unproven", "closed form, unproven", 9),
-        ("closed-form", "closed form", 0),
-        ("secular", "secular", 1),
-        ("sturm", "Sturm", 2),
-        ("dense", "dense (faer)", 3),
-        ("lapack", "LAPACK", 4),
-        ("LAPACK", "LAPACK", 4),
-        ("scipy eigh", "scipy eigh", 5),
-        ("scipy eig_banded", "scipy eig_banded", 14),
-        ("scipy", "scipy eigsh", 13),
-        ("element bound", "element bound (l_max from above)", 6),
-        ("Gershgorin", "Gershgorin (l_max from above)", 15),
-        ("power iteration 300", "power iteration, 300 steps (l_max from below)", 16),
-        ("power", "power iteration, 30 steps (l_max from below)", 7),
-        ("Lanczos 80", "Lanczos, 80 steps (l_max from below)", 17),
-        ("Lanczos", "Lanczos, 20 steps (l_max from below)", 8),
-        ("predictor-corrector", "predictor-corrector", 0),
-        ("park", "Park", 1),
-        ("numpy predictor-corrector", "numpy predictor-corrector", 9),
-        ("numpy park", "numpy Park", 10),
-    ];
     let known = KINDS.iter().find(|(start, ..)| method.starts_with(start));
     match known {
         Some((_, name, style)) => ((*name).to_owned(), *style),
@@ -43,6 +21,30 @@ fn kind(method: &str) -> (String, usize) {
         None => ("central difference".to_owned(), 7),
     }
 }
+
+/// How the name of a method begins, its name in the legend (markup) and its style.
+const KINDS: [(&str, &str, usize); 20] = [
+    ("closed-form unproven", "closed form, unproven", 9),
+    ("closed-form", "closed form", 0),
+    ("secular", "secular", 1),
+    ("sturm", "Sturm", 2),
+    ("dense", "dense (faer)", 3),
+    ("lapack", "LAPACK", 4),
+    ("LAPACK", "LAPACK", 4),
+    ("scipy eigh", "scipy eigh", 5),
+    ("scipy eig_banded", "scipy eig\\_banded", 14),
+    ("scipy", "scipy eigsh", 13),
+    ("element bound", "element bound (*l*_{max} from above)", 6),
+    ("Gershgorin", "Gershgorin (*l*_{max} from above)", 15),
+    ("power iteration 300", "power iteration, 300 steps (*l*_{max} from below)", 16),
+    ("power", "power iteration, 30 steps (*l*_{max} from below)", 7),
+    ("Lanczos 80", "Lanczos, 80 steps (*l*_{max} from below)", 17),
+    ("Lanczos", "Lanczos, 20 steps (*l*_{max} from below)", 8),
+    ("predictor-corrector", "predictor-corrector", 0),
+    ("park", "Park", 1),
+    ("numpy predictor-corrector", "numpy predictor-corrector", 9),
+    ("numpy park", "numpy Park", 10),
+];
 
 /// |error| of the critical step over time at one size, one panel a problem.
 pub fn eigenvalue_errors(rows: &[Measurement], size: usize) -> Figure {
@@ -71,7 +73,7 @@ pub fn eigenvalue_times(rows: &[Measurement]) -> Figure {
             let (name, style) = kind(method);
             let points = of().filter(|row| row.method == *method);
             let points = points.filter_map(|row| Some((row.size as f64, row.point()?.0))).collect();
-            Layer::Markers { points, label: Some(literal(&name)), style, joined: true, source: None }
+            Layer::Markers { points, label: Some(name), style, joined: true, source: None }
         };
         let layers = methods.iter().map(line).collect();
         Panel::new(Axis::log("elements *n*"), Axis::log(SECONDS), layers).titled(literal(problem))
@@ -123,7 +125,7 @@ fn methods<'a>(rows: impl Iterator<Item = &'a Measurement>) -> Vec<&'a str> {
 
 fn markers(rows: &[&Measurement], joined: bool) -> Layer {
     let (name, style) = rows.first().map_or((String::new(), 0), |row| kind(&row.method));
-    Layer::Markers { points: points(rows), label: Some(literal(&name)), style, joined, source: None }
+    Layer::Markers { points: points(rows), label: Some(name), style, joined, source: None }
 }
 
 fn points(rows: &[&Measurement]) -> Vec<(f64, f64)> {
@@ -150,7 +152,13 @@ fn error_axis(label: &str, rows: &[&Measurement]) -> Axis {
     let errors = points(rows).into_iter().map(|(_, error)| error);
     let (low, high) = errors.fold((f64::INFINITY, 0.0_f64), |(low, high), e| (low.min(e), high.max(e)));
     let range = (low < high).then_some((low / 2.0, high * 2.0));
-    Axis { range, ..Axis::log(label) }
+    let axis = Axis { range, ..Axis::log(label) };
+    // What is smaller is drawn there.
+    if low > SMALLEST_ERROR {
+        axis
+    } else {
+        axis.named(SMALLEST_ERROR, format!("≤ {}", number(SMALLEST_ERROR)))
+    }
 }
 
 fn panel_of(y: Axis, layers: Vec<Layer>, title: String) -> Panel {
@@ -162,4 +170,16 @@ fn figure(panels: Vec<Panel>, columns: usize) -> Figure {
     figure.columns = columns;
     figure.naming = Naming::Legend;
     figure
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_can_be_printed() {
+        for (_, name, _) in KINDS {
+            assert!(figure::check_label(name).is_ok(), "{name}");
+        }
+    }
 }

@@ -92,7 +92,7 @@ pub fn suffix(contact: usize) -> String {
 
 /// Bytes of a row of the files of one contact: the record (72), its line of text (up to 260, in a vector that doubles), and
 /// for the record of a figure its cells (9 of 24 and up to 32), of which all figures together keep a copy.
-const BYTES_PER_WRITTEN_ROW: u64 = 1700;
+pub(super) const BYTES_PER_WRITTEN_ROW: u64 = 1700;
 
 /// Refuses runs whose histories and records the memory does not hold together, before any of them starts; `written`: rows
 /// go to files.
@@ -128,7 +128,13 @@ pub fn check_memory(
 }
 
 /// Raised by Ctrl-C.
-static STOP: AtomicBool = AtomicBool::new(false);
+pub(super) static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Lets Ctrl-C end the runs.
+pub(super) fn watch_for_interrupts() {
+    // Set once; a later call finds the handler in place, and all share the flag.
+    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+}
 
 /// Executes the runs in parallel. Ctrl-C ends them early; what is finished is returned.
 ///
@@ -139,8 +145,7 @@ pub fn execute(
     recording: &Recording,
     progress: &Progress,
 ) -> Result<Vec<FinishedRun>> {
-    // Set once; a later call finds the handler in place, and all share the flag.
-    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+    watch_for_interrupts();
     let failure: Mutex<Option<Refusal>> = Mutex::new(None);
     let finished: Vec<Option<FinishedRun>> = planned
         .par_iter()

@@ -254,7 +254,8 @@ impl Job {
         asked: Option<&[f64]>,
     ) -> Result<ContourLines, Refusal> {
         let of_bars = matches!(model, AnyModel::Bars(_));
-        if of_bars && limit.limit.scheme().is_some() && model.contacts() > 1 {
+        let between = if of_bars { model.contacts() > 1 } else { limit.limit == super::Limit::Park };
+        if between && limit.limit.scheme().is_some() {
             return Ok(interpolated_contours(rows, asked));
         }
         let range = |axis: &Sweep| (axis.values[0], axis.values[axis.values.len() - 1]);

@@ -5,6 +5,7 @@
 
 mod arguments;
 mod forces;
+mod impact_files;
 mod impacts;
 mod limit;
 mod maps;
@@ -12,6 +13,7 @@ mod narration;
 mod opening;
 mod options;
 mod output;
+mod passages;
 mod peers;
 mod plan;
 mod progress;
@@ -24,6 +26,7 @@ mod verification;
 
 pub use arguments::arguments;
 pub use forces::{ForceOptions, ForcePlan};
+pub use impact_files::{draw_impacts, draw_passages, write_impacts};
 pub use impacts::{
     FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute, suffix,
 };
@@ -35,6 +38,7 @@ pub use options::{
     Format, OutputOptions, RatioSpec, SceneOptions, StandardOutput, Units, WidthOption, penalties_of,
 };
 pub use output::{Output, axis_word, check_stems, question};
+pub use passages::{FinishedPassage, Kept, PlannedPassage, StepOptions, check_passages, execute_passages};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 pub use plan::{explain, step_and_cost};
 pub use progress::Progress;

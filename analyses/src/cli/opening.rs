@@ -10,11 +10,14 @@ use super::{Output, Progress, print_table};
 use crate::charts::opening::{gain_maps, is_map};
 use crate::error::{Refusal, Result};
 use crate::record::{OpeningRow, Recommendation, VerifyRow, scans};
-use bipenalty::impact::Run;
+use bipenalty::impact::{Encounter, Passage, Run, duration};
 use bipenalty::schemes::{Scheme, SchemeName};
-use bipenalty::stability::{Grid, Model, Sweep};
-use bipenalty::verify::PenaltyPoint;
-use bipenalty::verify::opening::{LinearLimit, Load, MOST_STEPS, energy_gain, energy_put_in, is_proven};
+use bipenalty::stability::{AnyModel, AnyScene, Grid, Model, Sweep};
+use bipenalty::verify::opening::{
+    LinearLimit, Load, MOST_STEPS, energy_gain, energy_put_in, is_proven, is_proven_passage, passage_energy,
+    passage_gain,
+};
+use bipenalty::verify::{PenaltyPoint, linear_step, points_of};
 
 /// How contacts behave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -36,10 +39,24 @@ pub struct OpeningOptions {
 /// Steps over the predicted limit where nothing else is asked for.
 const FRACTIONS: [f64; 10] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.99];
 
+/// What is run.
+enum Trial {
+    Bars(Run, Load),
+    Mesh(Arc<AnyModel>, Passage),
+}
+
+impl Trial {
+    fn steps(&self) -> u64 {
+        match self {
+            Self::Bars(run, _) => run.steps(),
+            Self::Mesh(_, passage) => passage.steps(),
+        }
+    }
+}
+
 /// One run below the linear limit.
 struct Case {
-    run: Run,
-    load: Load,
+    trial: Trial,
     point: PenaltyPoint,
     predicted: f64,
     contact_free_courant: f64,
@@ -69,33 +86,77 @@ impl OpeningPlan {
     /// # Errors
     /// Refuses fractions outside (0, 1), and what the limits and the runs refuse.
     pub fn new(
-        models: &[Model],
+        models: &[(AnyScene, Arc<AnyModel>)],
         schemes: &[SchemeName],
         theta: f64,
         grid: &Grid,
         options: &OpeningOptions,
-    ) -> Result<Self, Refusal> {
+    ) -> Result<Self> {
         let fractions = options.fraction.as_ref().map_or(&FRACTIONS[..], |axis| &axis.values);
         if let Some(wrong) = fractions.iter().find(|f| !(**f > 0.0 && **f < 1.0)) {
-            return Err(Refusal::new("--fraction", wrong, "numbers between 0 and 1, both excluded"));
+            return Err(Refusal::new("--fraction", wrong, "numbers between 0 and 1, both excluded").into());
         }
+        let schemes: Vec<Arc<dyn Scheme>> =
+            schemes.iter().map(|scheme| scheme.with_theta(theta)).collect::<Result<_, _>>()?;
         let mut plan = Self { cases: Vec::new(), left_out: 0 };
-        for model in models {
+        for (scene, model) in models {
             model.check_grid(grid)?;
-            model.check_pencil()?;
-            let pencil = model.pencil();
-            for scheme in schemes {
-                let scheme = scheme.with_theta(theta)?;
-                let limit = LinearLimit::new(model, &pencil, &*scheme)?;
-                for ratio in &grid.ratios {
-                    for stiffness_penalty in &grid.stiffness_penalties {
-                        let point = PenaltyPoint { stiffness_penalty: *stiffness_penalty, ratio: *ratio };
-                        plan.add(model, &scheme, point, &limit, fractions)?;
-                    }
-                }
+            match &**model {
+                AnyModel::Bars(bars) => plan.add_bars(bars, &schemes, grid, fractions)?,
+                AnyModel::Mesh(_) => plan.add_mesh(scene, model, &schemes, grid, fractions)?,
             }
         }
         Ok(plan)
+    }
+
+    fn add_bars(
+        &mut self,
+        model: &Model,
+        schemes: &[Arc<dyn Scheme>],
+        grid: &Grid,
+        fractions: &[f64],
+    ) -> Result<(), Refusal> {
+        model.check_pencil()?;
+        let pencil = model.pencil();
+        for scheme in schemes {
+            let limit = LinearLimit::new(model, &pencil, &**scheme)?;
+            for point in points_of(grid) {
+                self.add(model, scheme, point, &limit, fractions)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The impact of a scene of matrices or of a mesh.
+    fn add_mesh(
+        &mut self,
+        scene: &AnyScene,
+        model: &Arc<AnyModel>,
+        schemes: &[Arc<dyn Scheme>],
+        grid: &Grid,
+        fractions: &[f64],
+    ) -> Result<()> {
+        let encounter = Encounter::of_scene(scene, model)?;
+        let duration = duration(scene)?;
+        let contact_free_courant = encounter.critical_step() / model.time_step(1.0)?;
+        for scheme in schemes {
+            for point in points_of(grid) {
+                let predicted = linear_step(model, scheme, point)?.relative;
+                let penalty = encounter.penalty(point.stiffness_penalty.get(), point.ratio.get());
+                let mut cases = Vec::new();
+                for fraction in fractions {
+                    let courant = fraction * predicted;
+                    let passage =
+                        Passage::new(encounter.clone(), scheme.clone(), penalty, courant, duration)?;
+                    passage_energy(&passage)?;
+                    let proven = is_proven_passage(&passage);
+                    let trial = Trial::Mesh(model.clone(), passage);
+                    cases.push(Case { trial, point, predicted, contact_free_courant, proven });
+                }
+                self.keep(cases);
+            }
+        }
+        Ok(())
     }
 
     fn add(
@@ -113,9 +174,9 @@ impl OpeningPlan {
             let run = Run::new(loaded, scheme.clone(), point.stiffness_penalty, point.ratio)?;
             energy_put_in(&run, load)?;
             for fraction in fractions {
+                let run = run.clone().with_relative_courant(fraction * predicted)?;
                 cases.push(Case {
-                    run: run.clone().with_relative_courant(fraction * predicted)?,
-                    load,
+                    trial: Trial::Bars(run, load),
                     point,
                     predicted,
                     contact_free_courant: limit.contact_free_courant(),
@@ -123,12 +184,17 @@ impl OpeningPlan {
                 });
             }
         }
-        if cases.iter().all(|case| case.run.steps() <= MOST_STEPS) {
+        self.keep(cases);
+        Ok(())
+    }
+
+    /// Keeps the runs of a point unless one of them is too long.
+    fn keep(&mut self, cases: Vec<Case>) {
+        if cases.iter().all(|case| case.trial.steps() <= MOST_STEPS) {
             self.cases.extend(cases);
         } else {
             self.left_out += 1;
         }
-        Ok(())
     }
 
     /// Number of runs.
@@ -143,7 +209,7 @@ impl OpeningPlan {
 
     /// What would be computed, in words.
     pub fn explain(&self) -> String {
-        let steps: u64 = self.cases.iter().map(|case| case.run.steps()).sum();
+        let steps: u64 = self.cases.iter().map(|case| case.trial.steps()).sum();
         format!(
             "contact that opens and closes: {} runs of {steps} steps in all, below the linear limits; left out: {} \
              points that need more than {MOST_STEPS} steps a run\n",
@@ -158,9 +224,17 @@ impl OpeningPlan {
     /// None that the plan has not found.
     pub fn measure(&self, progress: &Progress) -> Result<OpeningResult, Refusal> {
         let row = |case: &Case| {
-            let found = energy_gain(&case.run, case.load)?;
+            let row = match &case.trial {
+                Trial::Bars(run, load) => {
+                    OpeningRow::new(run, *load, case.point, case.predicted, &energy_gain(run, *load)?)
+                }
+                Trial::Mesh(model, passage) => {
+                    let found = passage_gain(passage)?;
+                    OpeningRow::of_passage(model, passage, case.point, case.predicted, &found)
+                }
+            };
             progress.add(1);
-            Ok(OpeningRow::new(&case.run, case.load, case.point, case.predicted, &found))
+            Ok(row)
         };
         let rows: Vec<OpeningRow> = self.cases.par_iter().map(row).collect::<Result<_, Refusal>>()?;
         // A sum of works, each at most of the size of the energy put in.
@@ -222,7 +296,7 @@ impl OpeningResult {
             eprintln!("left out: {} points that need more than {MOST_STEPS} steps a run", plan.left_out);
         }
         if !self.holds {
-            eprintln!("NOT AS PROVEN: the predictor-corrector gained energy below its limit");
+            eprintln!("NOT AS PROVEN: a scheme that is proven to gain nothing gained energy below its limit");
         }
     }
 }

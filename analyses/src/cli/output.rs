@@ -274,6 +274,45 @@ impl Output {
         self.undrawn.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
     }
 
+    /// A file `stem.csv` that is written row by row while a run goes on; `None` where no CSV is asked for.
+    ///
+    /// # Errors
+    /// What the system says of the file.
+    pub fn stream(&self, stem: &str) -> Result<Option<RowFile>> {
+        if !self.writes(Format::Csv) && !self.writes(Format::Tex) {
+            return Ok(None);
+        }
+        let path = self.directory.join(format!("{stem}.csv"));
+        let draft = self.directory.join(format!(".{stem}.csv.part"));
+        let opened = std::fs::create_dir_all(&self.directory).and_then(|()| std::fs::File::create(&draft));
+        match opened {
+            Ok(file) => {
+                Ok(Some(RowFile { writer: csv::Writer::from_writer(file), path, draft, failure: None }))
+            }
+            Err(source) => Err(Error::File { path, wanted: "written", source }),
+        }
+    }
+
+    /// Writes the frames of a run and the collection `stem.pvd` that plays them; the number of files.
+    ///
+    /// # Errors
+    /// What the system says of the file.
+    pub fn write_collection(&self, stem: &str, frames: &[(f64, String)]) -> Result<usize> {
+        let mut bytes = Vec::new();
+        let path = || self.directory.join(format!("{stem}.pvd"));
+        bipenalty::mesh::write_pvd(&mut bytes, frames).map_err(|source| Error::File {
+            path: path(),
+            wanted: "written",
+            source,
+        })?;
+        Ok(self.write(stem, "pvd", &bytes)?.into_iter().count())
+    }
+
+    /// Whether meshes with their fields are to be written.
+    pub fn wants_frames(&self) -> bool {
+        self.writes(Format::Vtu)
+    }
+
     fn writes(&self, format: Format) -> bool {
         self.file_formats().any(|wanted| wanted == format)
     }
@@ -327,6 +366,36 @@ pub fn axis_word(name: &str, axis: &Sweep) -> String {
     let mix = |hash: u64, value: &f64| (hash ^ value.to_bits()).wrapping_mul(0x0100_0000_01b3);
     let hash = values.iter().fold(0xcbf2_9ce4_8422_2325, mix);
     format!("{name}list-{ends}-{count}-{hash:016x}")
+}
+
+/// Rows that go to a file as they come: whole or not at all, as every other file.
+#[derive(Debug)]
+pub struct RowFile {
+    writer: csv::Writer<std::fs::File>,
+    path: PathBuf,
+    draft: PathBuf,
+    failure: Option<String>,
+}
+
+impl RowFile {
+    /// Writes a row; a failure is told by [`RowFile::finish`].
+    pub fn push<R: Serialize>(&mut self, row: R) {
+        if self.failure.is_none() {
+            self.failure = self.writer.serialize(row).err().map(|error| error.to_string());
+        }
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// What the system has said of it.
+    pub fn finish(mut self) -> Result<()> {
+        let failed = |source| Error::File { path: self.path.clone(), wanted: "written", source };
+        if let Some(why) = self.failure.take() {
+            return Err(failed(std::io::Error::other(why)));
+        }
+        self.writer.flush().and_then(|()| std::fs::rename(&self.draft, &self.path)).map_err(failed)
+    }
 }
 
 /// Refuses two parts of a run that would write the same files; the records of both may well be printed.

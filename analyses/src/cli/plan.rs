@@ -19,15 +19,15 @@ pub fn explain(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<St
         (AnyModel::Bars(model), Some(scheme)) => explain_scheme(model, scheme),
     };
     Ok(match limit.asking()?.limit {
-        LimitOf::Explicit(scheme) => format!("{text}\n    {}", step_and_cost(&*scheme)),
+        LimitOf::Explicit(scheme) => format!("{text}\n    {}", step_and_cost(&scheme)),
         LimitOf::Damped(_) => format!("{text}\n    damped: some ten such problems for each point"),
         LimitOf::Spectrum | LimitOf::Scheme(_) => text,
     })
 }
 
 /// How much larger a step a scheme stands than central differences, and what it pays for it.
-pub fn step_and_cost(scheme: &dyn ExplicitScheme) -> String {
-    let ExplicitFacts { title, parameter, evaluations, formula, source, .. } = scheme.facts();
+pub fn step_and_cost(scheme: &ExplicitScheme) -> String {
+    let ExplicitFacts { title, parameter, evaluations, formula, source, .. } = *scheme.facts();
     let longer = 0.5 * scheme.largest();
     let forces = if evaluations == 1 { "force" } else { "forces" };
     format!(
@@ -60,9 +60,10 @@ fn explain_scheme(model: &Model, scheme: SchemeName) -> String {
         SchemeName::Park => {
             "multiplier -1 of the amplification matrix, about 10 pairs of eliminations of the pencil"
         }
-        _ => {
+        SchemeName::PredictorCorrector => {
             "dt^2 s' mu = 1 in closed form, of unlike contacts a lower bound; below the contact-free l_max signs of the secular equation"
         }
+        other => other.facts().closed_limit,
     };
     format!("{} ({} elements, {} mass): {method}", scene.name(), scene.elements(), model.mass().name())
 }
@@ -85,9 +86,16 @@ fn explain_mesh(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<S
     let mass = model.mass().map_or(String::new(), |mass| format!(", {} mass", mass.name()));
     let memory =
         plan.memory.map_or(String::new(), |bytes| format!(", about {} MB", bytes.div_ceil(1_000_000)));
+    let flexibilities = match plan.flexibilities {
+        0 => String::new(),
+        some => format!(
+            ", about {some} flexibilities of the contacts by conjugate gradients and residuals, {} columns each",
+            2 * plan.contacts
+        ),
+    };
     Ok(format!(
         "{} ({elements}{} unknowns, {} contacts{mass}): {}, about {} eigenproblems of one function f(t) for all {} points, and {} bounds \
-         {proof}, to {:e} of a step{memory}\n    left out: an eigenproblem for each point; M_p in the eigenproblems; initial \
+         {proof}{flexibilities}, to {:e} of a step{memory}\n    left out: an eigenproblem for each point; M_p in the eigenproblems; initial \
          velocities and gaps (every contact is closed)",
         model.name(),
         plan.unknowns,

@@ -30,10 +30,10 @@ pub struct StyleOptions {
     #[arg(long, value_name = "TEXT")]
     pub y_label: Option<String>,
     /// Ends of the horizontal axes
-    #[arg(long, value_name = "LOW:HIGH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true)]
     pub x_limits: Option<Limits>,
     /// Ends of the vertical axes
-    #[arg(long, value_name = "LOW:HIGH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true)]
     pub y_limits: Option<Limits>,
     /// Contour lines of a map, for instance 0.25,0.5,0.75
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
@@ -189,7 +189,29 @@ impl Style {
         style.text = options.text.or(style.text);
         style.tags |= options.tags;
         style.overlay |= options.overlay;
+        style.check_labels()?;
         Ok(style)
+    }
+
+    /// Refuses labels that no figure can print, before anything is computed.
+    fn check_labels(&self) -> Result<(), Refusal> {
+        let titles: &[String] = match &self.title {
+            Some(Titles::One(title)) => std::slice::from_ref(title),
+            Some(Titles::Each(titles)) => titles,
+            Some(Titles::Shown(_)) | None => &[],
+        };
+        let titles = titles.iter().map(|title| ("title", title));
+        let axes = [("x_label", &self.x_label), ("y_label", &self.y_label)];
+        let axes = axes.into_iter().filter_map(|(place, label)| Some((place, label.as_ref()?)));
+        let words = self.words.values().map(|word| ("words", word));
+        for (place, label) in titles.chain(axes).chain(words) {
+            figure::check_label(label).map_err(|error| {
+                let allowed = "letters of DejaVu Sans; *..* italic, _{..} and ^{..} sub- and superscript, a backslash \
+                               before any of these characters that is to be printed";
+                Refusal::new(place, error, allowed)
+            })?;
+        }
+        Ok(())
     }
 
     fn load(path: &Path) -> Result<Self> {
@@ -299,8 +321,11 @@ fn labels(figure: &mut Figure) -> Vec<&mut String> {
     labels
 }
 
-/// All panels of a figure in one, on the axes of the first: each curve by the title of its panel and its name, and in a
-/// style of its own; what is shaded in one panel only says nothing of the others.
+/// Panels that can be laid over each other: as many as there are colours that stay apart.
+const OVERLAID: usize = 8;
+
+/// All panels of a figure in one, on the axes of the first: each curve by the title of its panel and its name, in the
+/// colour of its panel; what is shaded in one panel only says nothing of the others.
 fn overlaid(mut figure: Figure) -> Result<Figure, Refusal> {
     if figure.panels.iter().flat_map(|panel| &panel.layers).any(|layer| matches!(layer, Layer::Cells { .. }))
     {
@@ -311,23 +336,33 @@ fn overlaid(mut figure: Figure) -> Result<Figure, Refusal> {
     };
     let mut panels = figure.panels.into_iter();
     let Some(mut all) = panels.next() else { return Ok(Figure { panels: Vec::new(), ..figure }) };
-    // A style for each style of each panel, in turn, so that as many as there are differ.
-    let (mut layers, mut styles): (Vec<Layer>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
     let rest: Vec<_> = panels.collect();
+    if rest.len() >= OVERLAID {
+        let value = format!("{} panels in one chart", rest.len() + 1);
+        return Err(Refusal::new("--overlay", value, format!("at most {OVERLAID}, a colour each")));
+    }
+    let (mut layers, mut series): (Vec<Layer>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
     let first = std::mem::take(&mut all.layers);
     let parts = std::iter::once((all.title.take(), first)).chain(rest.into_iter().map(|panel| {
         all.x.range = wider(all.x.range, panel.x.range);
         all.y.range = wider(all.y.range, panel.y.range);
         (panel.title, panel.layers)
     }));
-    for (index, (title, part)) in parts.collect::<Vec<_>>().into_iter().enumerate() {
+    for (colour, (title, part)) in parts.collect::<Vec<_>>().into_iter().enumerate() {
         for mut layer in part.into_iter().filter(|layer| !matches!(layer, Layer::Shade { .. })) {
-            if let Layer::Curve { style, .. } | Layer::Markers { style, .. } = &mut layer {
-                let own = (index, *style);
-                *style = styles.iter().position(|known| *known == own).unwrap_or_else(|| {
-                    styles.push(own);
-                    styles.len() - 1
-                });
+            match &mut layer {
+                // What had a colour of its own in its panel has a dash of its own in the chart.
+                Layer::Curve { style, .. } => *style = figure::styled(colour, *style),
+                // Markers have no dash: each series has another colour or shape, as long as there are some.
+                Layer::Markers { style, .. } => {
+                    let own = (colour, *style);
+                    let known = series.iter().position(|known| *known == own).unwrap_or_else(|| {
+                        series.push(own);
+                        series.len() - 1
+                    });
+                    *style = known;
+                }
+                _ => (),
             }
             if let (Some(label), Some(title)) = (label_of(&mut layer), &title) {
                 *label = format!("{title}, {label}");

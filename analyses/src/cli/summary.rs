@@ -238,8 +238,13 @@ pub fn print_costs(rows: &[CostRow]) {
         let costs = || curve.iter().filter_map(|row| row.cost).map(|cost| cost.0);
         let (low, high) = (costs().fold(f64::INFINITY, f64::min), costs().fold(0.0, f64::max));
         let row = &curve[0];
-        let cost = if low <= high { format!("{low:.4} to {high:.4}") } else { "not certified".to_owned() };
-        let scheme = row.parameter.map_or(row.limit.to_owned(), |p| format!("{} {:.4}", row.limit, p.0));
+        let cost = match [low, high].map(|value| format!("{value:.4}")) {
+            _ if low > high => "not certified".to_owned(),
+            [low, high] if low == high => low,
+            [low, high] => format!("{low} to {high}"),
+        };
+        let named = |p: Number| format!("{} {}", row.limit, (1e4 * p.0).round() / 1e4);
+        let scheme = row.parameter.map_or(row.limit.to_owned(), named);
         vec![
             row.scene.clone(),
             row.mass.clone(),

@@ -1,5 +1,6 @@
 //! The studies of meshes: what contact costs them, what proves it, and what rules of thumb make of it.
 
+pub mod impacts;
 mod rules;
 mod scenes;
 

@@ -113,6 +113,10 @@ pub struct ImpactRow {
     pub penalty_stiffness: Option<Number>,
     /// m = s/(r omega_ref^2), kg, of the same contact.
     pub penalty_mass: Option<Number>,
+    /// The largest force over the largest exact one, minus 1.
+    pub overshoot: Option<Number>,
+    /// The total variation of the force over that of the exact one.
+    pub variation: Option<Number>,
 }
 
 impl ImpactRow {
@@ -121,10 +125,6 @@ impl ImpactRow {
         let summary = Summary::of(run, history);
         let model = run.model();
         let penalties = Subject::of_bars(model).penalties(beta_s, ratio);
-        let gained = match summary.energy_ratio.filter(|_| summary.more_energy) {
-            Some(ratio) => format!(" with {} times its energy", digits(ratio)),
-            None => String::new(),
-        };
         Self {
             scene: model.scene().name().to_owned(),
             mass: model.mass().name(),
@@ -132,19 +132,41 @@ impl ImpactRow {
             stiffness_penalty: Number(beta_s),
             ratio: Number(ratio),
             relative_courant: Number(run.relative_courant()),
+            time_step: Number(run.time_step()),
+            penalty_stiffness: penalties.map(|(stiffness, _)| stiffness),
+            penalty_mass: penalties.map(|(_, mass)| mass),
+            ..Self::measured(&summary, history.steps, history.ending)
+        }
+    }
+
+    /// What was measured of a run that is not named yet.
+    pub(super) fn measured(summary: &Summary, steps: u64, ending: Ending) -> Self {
+        let gained = match summary.energy_ratio.filter(|_| summary.more_energy) {
+            Some(ratio) => format!(" with {} times its energy", digits(ratio)),
+            None => String::new(),
+        };
+        Self {
+            scene: String::new(),
+            mass: String::new(),
+            scheme: "",
+            stiffness_penalty: Number(0.0),
+            ratio: Number(0.0),
+            relative_courant: Number(0.0),
             force_error: summary.force_error.map(Number),
             steady_relative_gap: summary.steady_relative_gap.map(Number),
             energy_ratio: summary.energy_ratio.map(Number),
             switches: summary.switches,
-            steps: history.steps,
-            ending: match history.ending {
+            steps,
+            ending: match ending {
                 Ending::Finished => "finished".to_owned() + &gained,
                 Ending::Stopped { step, time } => format!("stopped at step {step} (t = {time:e} s){gained}"),
                 Ending::BlewUp { step, time } => format!("blew up by step {step} (t = {time:e} s)"),
             },
-            time_step: Number(run.time_step()),
-            penalty_stiffness: penalties.map(|(stiffness, _)| stiffness),
-            penalty_mass: penalties.map(|(_, mass)| mass),
+            time_step: Number(0.0),
+            penalty_stiffness: None,
+            penalty_mass: None,
+            overshoot: summary.oscillation[0].map(Number),
+            variation: summary.oscillation[1].map(Number),
         }
     }
 }

@@ -15,10 +15,12 @@ mod impact_rows;
 mod mesh_rows;
 mod opening_rows;
 mod origin;
+mod passage_rows;
 mod provenance;
 mod read;
 mod rows;
 mod step_rows;
+mod study_rows;
 mod table;
 mod verify_rows;
 
@@ -28,10 +30,12 @@ pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
 pub use mesh_rows::MeshRow;
 pub use opening_rows::{OpeningRow, Recommendation, scans};
 pub use origin::Origin;
+pub use passage_rows::{ContactRow, PassageRow, PlaceRow};
 pub use provenance::Provenance;
 pub use read::{cost_rows, optimal_ratio_rows, stability_rows};
 pub use rows::{GIVEN, LOWER_BOUND, Number, OptimalRatioRow, PROVEN, StabilityRow, Subject};
 pub use step_rows::StepRow;
+pub use study_rows::StudyRow;
 pub use table::Table;
 pub use verify_rows::VerifyRow;
 

@@ -2,8 +2,10 @@
 
 use serde::Serialize;
 
-use super::{Number, Subject, VerifyRow};
-use bipenalty::impact::Run;
+use super::rows::softest_penalties;
+use super::{GIVEN, Number, Subject, VerifyRow};
+use bipenalty::impact::{Passage, Run};
+use bipenalty::stability::AnyModel;
 use bipenalty::verify::PenaltyPoint;
 use bipenalty::verify::opening::{Gain, Load, least_gain};
 
@@ -14,10 +16,10 @@ pub struct OpeningRow {
     pub scene: String,
     /// `lumped`, `averaged`, `consistent`, or gamma.
     pub mass: String,
-    /// gamma of the mass matrix.
-    pub gamma: Number,
-    /// Elements of all bars.
-    pub elements: usize,
+    /// gamma of the mass matrix; empty for matrices.
+    pub gamma: Option<Number>,
+    /// Elements of all bars or bodies; empty for matrices.
+    pub elements: Option<usize>,
     /// Name of the scheme.
     pub scheme: &'static str,
     /// `impact` or `sustained`.
@@ -59,8 +61,8 @@ impl OpeningRow {
             penalty_mass: penalties.map(|(_, mass)| mass),
             scene: model.scene().name().to_owned(),
             mass: model.mass().name(),
-            gamma: Number(model.mass().gamma()),
-            elements: model.scene().elements(),
+            gamma: Some(Number(model.mass().gamma())),
+            elements: Some(model.scene().elements()),
             scheme: run.scheme().facts().name,
             load: load.name(),
             stiffness_penalty: Number(point.stiffness_penalty.get()),
@@ -72,6 +74,39 @@ impl OpeningRow {
             switches: found.switches,
             steps: found.steps,
             gains: found.energy_gain > least_gain(model),
+        }
+    }
+
+    /// The row of a passage of `model`, matrices or a mesh, at `point`.
+    pub fn of_passage(
+        model: &AnyModel,
+        passage: &Passage,
+        point: PenaltyPoint,
+        predicted: f64,
+        found: &Gain,
+    ) -> Self {
+        let (beta_s, ratio) = (point.stiffness_penalty.get(), point.ratio.get());
+        let penalties = softest_penalties(passage.encounter().pencil(), beta_s, ratio);
+        let parts = model.elements().unwrap_or(passage.encounter().pencil().size());
+        Self {
+            time_step: Number(passage.time_step()),
+            penalty_stiffness: penalties.map(|(stiffness, _)| stiffness),
+            penalty_mass: penalties.map(|(_, mass)| mass),
+            scene: model.name().to_owned(),
+            mass: model.mass().map_or(GIVEN.to_owned(), |mass| mass.name()),
+            gamma: model.mass().map(|mass| Number(mass.gamma())),
+            elements: model.elements(),
+            scheme: passage.scheme().facts().name,
+            load: Load::Impact.name(),
+            stiffness_penalty: Number(point.stiffness_penalty.get()),
+            ratio: Number(point.ratio.get()),
+            predicted: Number(predicted),
+            relative_courant: Number(passage.time_step() / passage.encounter().critical_step()),
+            energy_gain: Number(found.energy_gain),
+            energy_ratio: Number(found.energy_ratio),
+            switches: found.switches,
+            steps: found.steps,
+            gains: found.energy_gain > 1.0 / parts as f64,
         }
     }
 
@@ -114,8 +149,8 @@ impl VerifyRow {
         Some(Self {
             scene: row.scene.clone(),
             mass: row.mass.clone(),
-            gamma: Some(row.gamma),
-            elements: Some(row.elements),
+            gamma: row.gamma,
+            elements: row.elements,
             scheme: row.scheme,
             contact: "opening",
             stiffness_penalty: row.stiffness_penalty,

@@ -5,6 +5,7 @@ use serde::{Serialize, Serializer};
 use super::columns::columns;
 use super::read::{NOT_NEGATIVE, POSITIVE};
 use crate::error::Refusal;
+use bipenalty::pencil::Pencil;
 use bipenalty::spectrum::{Evidence, Uncertified};
 use bipenalty::stability::{AnyModel, CriticalStep, Curve, Model, OptimalRatio};
 
@@ -80,14 +81,24 @@ impl Subject {
 
     /// s, N/m, and m = s/(r omega_ref^2), kg, of the softest contact; `None` without contacts.
     pub fn penalties(&self, beta_s: f64, ratio: f64) -> Option<(Number, Number)> {
-        let stiffness = self.scale? * beta_s;
-        Some((Number(stiffness), Number(stiffness / (ratio * self.reference))))
+        Some(penalties_in_si(self.scale?, self.reference, beta_s, ratio))
     }
 
     /// The smallest scale of the contacts, N/m: what beta_s multiplies there. `None` without contacts.
     pub fn scale(&self) -> Option<f64> {
         self.scale
     }
+}
+
+/// s, N/m, and m = s/(r omega_ref^2), kg, of the softest contact of `pencil`; `None` without contacts.
+pub(super) fn softest_penalties(pencil: &Pencil, beta_s: f64, ratio: f64) -> Option<(Number, Number)> {
+    let scale = pencil.gaps().iter().map(|gap| gap.scale).reduce(f64::min)?;
+    Some(penalties_in_si(scale, pencil.reference(), beta_s, ratio))
+}
+
+fn penalties_in_si(scale: f64, reference: f64, beta_s: f64, ratio: f64) -> (Number, Number) {
+    let stiffness = scale * beta_s;
+    (Number(stiffness), Number(stiffness / (ratio * reference)))
 }
 
 columns! {

@@ -1,10 +1,6 @@
 //! Eight-node hexahedron; 2 x 2 x 2 Gauss points.
 
-use super::{Coordinates, Element, QuadraturePoint, Shape, quad4, quadrature, shapes};
-
-/// Eight-node hexahedron.
-#[derive(Debug)]
-pub(super) struct Hex8;
+use super::{Coordinates, Element, quad4, quadrature, shapes};
 
 const NODES: [Coordinates; 8] = [
     [-1.0, -1.0, -1.0],
@@ -17,32 +13,15 @@ const NODES: [Coordinates; 8] = [
     [-1.0, 1.0, 1.0],
 ];
 
-impl Element for Hex8 {
-    fn name(&self) -> &'static str {
-        "hex8"
-    }
-    fn nodes(&self) -> &'static [Coordinates] {
-        &NODES
-    }
-    fn dimension(&self) -> usize {
-        3
-    }
-    fn corners(&self) -> usize {
-        8
-    }
-    fn shape(&self, at: Coordinates) -> Shape {
-        shapes::multilinear(3, &NODES, at)
-    }
-    fn quadrature(&self) -> &'static [QuadraturePoint] {
-        &quadrature::CUBE_8
-    }
-    fn faces(&self) -> &'static [&'static [usize]] {
-        &[&[0, 4, 7, 3], &[1, 2, 6, 5], &[0, 1, 5, 4], &[3, 7, 6, 2], &[0, 3, 2, 1], &[4, 5, 6, 7]]
-    }
-    fn face(&self) -> &'static dyn Element {
-        &quad4::Quad4
-    }
-    fn vtk_cell(&self) -> u8 {
-        12
-    }
-}
+/// Eight-node hexahedron.
+pub(super) static HEX8: Element = Element {
+    name: "hex8",
+    dimension: 3,
+    corners: 8,
+    nodes: &NODES,
+    shape: |at| shapes::multilinear(3, &NODES, at),
+    quadrature: &quadrature::CUBE_8,
+    faces: &[&[0, 4, 7, 3], &[1, 2, 6, 5], &[0, 1, 5, 4], &[3, 7, 6, 2], &[0, 3, 2, 1], &[4, 5, 6, 7]],
+    face: &quad4::QUAD4,
+    vtk_cell: 12,
+};

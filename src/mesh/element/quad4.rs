@@ -1,39 +1,18 @@
 //! Four-node quadrilateral; 2 x 2 Gauss points.
 
-use super::{Coordinates, Element, QuadraturePoint, Shape, line, quadrature, shapes};
-
-/// Four-node quadrilateral.
-#[derive(Debug)]
-pub(super) struct Quad4;
+use super::{Coordinates, Element, line, quadrature, shapes};
 
 const NODES: [Coordinates; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
 
-impl Element for Quad4 {
-    fn name(&self) -> &'static str {
-        "quad4"
-    }
-    fn nodes(&self) -> &'static [Coordinates] {
-        &NODES
-    }
-    fn dimension(&self) -> usize {
-        2
-    }
-    fn corners(&self) -> usize {
-        4
-    }
-    fn shape(&self, at: Coordinates) -> Shape {
-        shapes::multilinear(2, &NODES, at)
-    }
-    fn quadrature(&self) -> &'static [QuadraturePoint] {
-        &quadrature::SQUARE_4
-    }
-    fn faces(&self) -> &'static [&'static [usize]] {
-        &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]]
-    }
-    fn face(&self) -> &'static dyn Element {
-        &line::Line2
-    }
-    fn vtk_cell(&self) -> u8 {
-        9
-    }
-}
+/// Four-node quadrilateral.
+pub(super) static QUAD4: Element = Element {
+    name: "quad4",
+    dimension: 2,
+    corners: 4,
+    nodes: &NODES,
+    shape: |at| shapes::multilinear(2, &NODES, at),
+    quadrature: &quadrature::SQUARE_4,
+    faces: &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]],
+    face: &line::LINE2,
+    vtk_cell: 9,
+};

@@ -1,10 +1,6 @@
 //! Eight-node quadrilateral (serendipity); 3 x 3 Gauss points.
 
-use super::{Coordinates, Element, QuadraturePoint, Shape, line, quadrature, shapes};
-
-/// Eight-node quadrilateral.
-#[derive(Debug)]
-pub(super) struct Quad8;
+use super::{Coordinates, Element, line, quadrature, shapes};
 
 const NODES: [Coordinates; 8] = [
     [-1.0, -1.0, 0.0],
@@ -17,32 +13,15 @@ const NODES: [Coordinates; 8] = [
     [-1.0, 0.0, 0.0],
 ];
 
-impl Element for Quad8 {
-    fn name(&self) -> &'static str {
-        "quad8"
-    }
-    fn nodes(&self) -> &'static [Coordinates] {
-        &NODES
-    }
-    fn dimension(&self) -> usize {
-        2
-    }
-    fn corners(&self) -> usize {
-        4
-    }
-    fn shape(&self, at: Coordinates) -> Shape {
-        shapes::serendipity(2, &NODES, at)
-    }
-    fn quadrature(&self) -> &'static [QuadraturePoint] {
-        &quadrature::SQUARE_9
-    }
-    fn faces(&self) -> &'static [&'static [usize]] {
-        &[&[0, 1, 4], &[1, 2, 5], &[2, 3, 6], &[3, 0, 7]]
-    }
-    fn face(&self) -> &'static dyn Element {
-        &line::Line3
-    }
-    fn vtk_cell(&self) -> u8 {
-        23
-    }
-}
+/// Eight-node quadrilateral.
+pub(super) static QUAD8: Element = Element {
+    name: "quad8",
+    dimension: 2,
+    corners: 4,
+    nodes: &NODES,
+    shape: |at| shapes::serendipity(2, &NODES, at),
+    quadrature: &quadrature::SQUARE_9,
+    faces: &[&[0, 1, 4], &[1, 2, 5], &[2, 3, 6], &[3, 0, 7]],
+    face: &line::LINE3,
+    vtk_cell: 23,
+};

@@ -1,39 +1,18 @@
 //! Three-node triangle; three points, degree 2.
 
-use super::{Coordinates, Element, QuadraturePoint, Shape, line, quadrature, shapes};
-
-/// Three-node triangle.
-#[derive(Debug)]
-pub(super) struct Tri3;
+use super::{Coordinates, Element, line, quadrature, shapes};
 
 const NODES: [Coordinates; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
-impl Element for Tri3 {
-    fn name(&self) -> &'static str {
-        "tri3"
-    }
-    fn nodes(&self) -> &'static [Coordinates] {
-        &NODES
-    }
-    fn dimension(&self) -> usize {
-        2
-    }
-    fn corners(&self) -> usize {
-        3
-    }
-    fn shape(&self, at: Coordinates) -> Shape {
-        shapes::linear_simplex(2, at)
-    }
-    fn quadrature(&self) -> &'static [QuadraturePoint] {
-        &quadrature::TRIANGLE_3
-    }
-    fn faces(&self) -> &'static [&'static [usize]] {
-        &[&[0, 1], &[1, 2], &[2, 0]]
-    }
-    fn face(&self) -> &'static dyn Element {
-        &line::Line2
-    }
-    fn vtk_cell(&self) -> u8 {
-        5
-    }
-}
+/// Three-node triangle.
+pub(super) static TRI3: Element = Element {
+    name: "tri3",
+    dimension: 2,
+    corners: 3,
+    nodes: &NODES,
+    shape: |at| shapes::linear_simplex(2, at),
+    quadrature: &quadrature::TRIANGLE_3,
+    faces: &[&[0, 1], &[1, 2], &[2, 0]],
+    face: &line::LINE2,
+    vtk_cell: 5,
+};

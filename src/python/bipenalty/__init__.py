@@ -14,6 +14,7 @@ enclosure is as narrow as was asked for. Long calls let other threads run and en
 many as the environment variable ``RAYON_NUM_THREADS`` says when the first of them is made; no result depends on it.
 """
 
+from ._asked import Damping
 from ._bipenalty import Uncertified, __version__
 from ._model import Model
 from ._results import ContactShare, CriticalStep, Governing, Impact, Largest, OptimalRatio, StabilityMap, SteppedLimit
@@ -21,6 +22,7 @@ from ._results import ContactShare, CriticalStep, Governing, Impact, Largest, Op
 __all__ = [
     "ContactShare",
     "CriticalStep",
+    "Damping",
     "Governing",
     "Impact",
     "Largest",

@@ -8,13 +8,20 @@ from numpy.typing import NDArray
 
 _Floats: TypeAlias = NDArray[np.float64]
 _Progress: TypeAlias = Callable[[int, int], object] | None
-# Limit, theta, engine, tolerance.
-_Asked: TypeAlias = tuple[str, float | None, str, float | None]
+_Damping: TypeAlias = tuple[float, float, float]
+# Limit, theta, parameter, damping, engine, tolerance, patch.
+_Asked: TypeAlias = tuple[str, float | None, float | None, _Damping, str, float | None, int | None]
+# Scheme, theta, damping.
+_Scheme: TypeAlias = tuple[str, float | None, _Damping]
+# beta_s, ratio, relative Courant number, duration, steps between rows.
+_Pace: TypeAlias = tuple[float, float, float, float | None, int]
+# Velocity, load, gaps.
+_AtStart: TypeAlias = tuple[_Floats | None, _Floats | None, _Floats | None]
 # Shape; where rows start, columns, values.
 _Rows: TypeAlias = tuple[tuple[int, int], NDArray[np.int64], NDArray[np.uint32], _Floats]
 _OwnRows: TypeAlias = tuple[NDArray[np.int64], NDArray[np.int64], _Floats, tuple[int, int]]
 
-__all__ = ["Core", "Map", "Part", "Session", "Uncertified", "__version__", "axis", "split"]
+__all__ = ["Core", "Map", "Part", "Session", "Uncertified", "__version__", "axis", "limit_name", "split"]
 
 __version__: str
 
@@ -47,19 +54,9 @@ class Core:
         float, list[tuple[int, float, str | None]], list[tuple[str, float]], list[tuple[int, float]], _Floats
     ]: ...
     def verify(
-        self, beta_s: float, ratio: float, scheme: str, theta: float | None, tolerance: float | None
+        self, beta_s: float, ratio: float, scheme: _Scheme, asked: _Asked
     ) -> tuple[list[float], int, float, bool | None]: ...
-    def impact(
-        self,
-        scheme: str,
-        theta: float | None,
-        beta_s: float,
-        ratio: float,
-        relative_courant: float,
-        duration: float | None,
-        every: int,
-        progress: _Progress,
-    ) -> dict[str, Any]: ...
+    def impact(self, scheme: _Scheme, pace: _Pace, start: _AtStart, progress: _Progress) -> dict[str, Any]: ...
     def contour(
         self, courant: float, beta_s: tuple[float, float], ratio: tuple[float, float], asked: _Asked
     ) -> _Floats: ...
@@ -76,6 +73,7 @@ _PartRows: TypeAlias = tuple[NDArray[np.int64], NDArray[np.int64], _Floats]
 _Forms: TypeAlias = tuple[_Floats, _Floats, _Floats, _Floats, float]
 _Sizes: TypeAlias = tuple[float, float, int, int, int, int]
 
+def limit_name(asked: _Asked) -> str: ...
 def axis(text: str) -> list[float]: ...
 def split(text: str, path: str, gamma: float, parts: int, edge: int) -> tuple[list[dict[str, NDArray[Any]]], int]: ...
 

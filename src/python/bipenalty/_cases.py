@@ -19,7 +19,7 @@ from ._toml import tomllib
 
 MODEL = {"mass", "elements", "penalty_mass"}
 """Parameters of the model; every other one is a key of the scene."""
-ASKED = {"limit", "theta", "engine"}
+ASKED = {"limit", "theta", "parameter", "damping", "engine", "patch"}
 """What may be asked in several ways."""
 _PATHS = {"stiffness", "mass", "gaps", "scales", "mesh"}
 """Keys of scenes that name files, relative to the scene."""

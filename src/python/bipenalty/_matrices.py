@@ -162,7 +162,38 @@ def scales(values: ArrayLike | None, contacts: int) -> Floats | None:
     return np.full(contacts, float(array)) if array.ndim == 0 else array.reshape(-1)
 
 
-def rows_of(parts: tuple[NDArray[np.int64], NDArray[np.int64], Floats, tuple[int, int]]) -> Any:
+def vector(values: ArrayLike | None, name: str, size: int) -> Floats | None:
+    """Return one number for each of `size` places; a number is that of all."""
+    if values is None:
+        return None
+    array = floats(values, name)
+    if array.ndim == 0:
+        return np.full(size, float(array))
+    if array.shape != (size,):
+        raise _refusal(name, f"shape {array.shape}", f"[{size}], or a number")
+    return array
+
+
+OwnRows: TypeAlias = "tuple[NDArray[np.int64], NDArray[np.int64], Floats, tuple[int, int]]"
+"""Where rows start; columns; values; shape: as the library hands them out."""
+
+
+def rows_given(parts: OwnRows) -> Rows:
+    """Return the rows that the library hands out as it takes them."""
+    starts, columns, values, shape = parts
+    return shape, starts, columns.astype(np.uint32), values
+
+
+def transposed(parts: OwnRows) -> OwnRows:
+    """Return the columns of a matrix as rows."""
+    starts, columns, values, (rows, width) = parts
+    row = np.repeat(np.arange(rows), np.diff(starts))
+    order = np.lexsort((row, columns))
+    ends = np.cumsum(np.bincount(columns, minlength=width), dtype=np.int64)
+    return np.concatenate([np.zeros(1, np.int64), ends]), row[order], values[order], (width, rows)
+
+
+def rows_of(parts: OwnRows) -> Any:
     """Return the scipy.sparse matrix of the rows that the library hands out."""
     try:
         from scipy.sparse import csr_matrix

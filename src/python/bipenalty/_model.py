@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import html
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _matrices
-from ._bipenalty import Core
+from ._asked import Damping, asked, count, scheme_asked
+from ._bipenalty import Core, limit_name
 from ._progress import Progress, callback
 from ._results import ContactShare, CriticalStep, Governing, Impact, Largest, OptimalRatio, StabilityMap, SteppedLimit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from numpy.typing import ArrayLike, NDArray
 
+    from ._asked import Asked
     from ._matrices import Sparse
-
-    _Asked = tuple[str, float | None, str, float | None]
 
 _GAMMAS = {"lumped": 1.0, "averaged": 0.5, "consistent": 0.0}
 
@@ -42,6 +43,21 @@ def _axis(values: ArrayLike, name: str) -> NDArray[np.float64]:
     return array
 
 
+def _of_scene(scene: str, mass: str | float | None, elements: int | None, penalty_mass: str) -> Model:
+    return Model.from_scene(scene, mass=mass, elements=elements, penalty_mass=penalty_mass)
+
+
+def _of_rows(stiffness: Any, mass: Any, gaps: Any, weights: NDArray[np.float64], reference: float | None) -> Model:
+    """Make a model of what `Core.matrices` has given."""
+    rows = [_matrices.rows_given(parts) for parts in (stiffness, mass, _matrices.transposed(gaps))]
+    return Model._of(Core.from_matrices(rows[0], rows[1], rows[2], weights, reference), reference)
+
+
+def _named(limit: str, what: Asked) -> str:
+    """Return the name of a limit in records, which damping changes."""
+    return limit_name(what) if any(what[3]) else limit
+
+
 class Model:
     """Bars, matrices or a mesh in contact: everything a stability limit depends on but the penalties.
 
@@ -49,7 +65,7 @@ class Model:
     ``s = beta_s w`` and the mass ``m = s/(ratio omega_ref^2)``.
     """
 
-    __slots__ = ("_core", "contacts", "elements", "gamma", "mass", "name", "unknowns")
+    __slots__ = ("_core", "_made", "contacts", "elements", "gamma", "mass", "name", "unknowns")
 
     name: str
     """Name of the scene; ``matrices`` where there is none."""
@@ -64,17 +80,40 @@ class Model:
     contacts: int
     """Contacts k."""
     _core: Core
+    _made: tuple[Any, ...]
+    """What a scene was made with, or the reference that was given with matrices."""
 
     def __init__(self) -> None:
         raise TypeError("a model is made by Model.from_scene or Model.from_matrices")
 
     @classmethod
-    def _of(cls, core: Core) -> Model:
+    def _of(cls, core: Core, *made: Any) -> Model:
         model = object.__new__(cls)
-        model._core = core
-        model.name, mass, model.elements, model.unknowns, model.contacts = core.facts()
-        model.mass, model.gamma = mass or (None, None)
+        name, mass, elements, unknowns, contacts = core.facts()
+        kind, gamma = mass or (None, None)
+        facts = (core, made, contacts, elements, gamma, kind, name, unknowns)
+        for slot, value in zip(cls.__slots__, facts, strict=True):
+            object.__setattr__(model, slot, value)
         return model
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{name} cannot be set: a model stays as it is")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{name} cannot be deleted: a model stays as it is")
+
+    def __copy__(self) -> Model:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Model:
+        return self
+
+    def __reduce__(self) -> tuple[Callable[..., Model], tuple[Any, ...]]:
+        """Say what to pickle: how the scene was made, which is read again, or the matrices."""
+        if len(self._made) > 1:
+            return _of_scene, self._made
+        stiffness, mass, gaps, weights = self._core.matrices()
+        return _of_rows, (stiffness, mass, gaps, weights, *self._made)
 
     @classmethod
     def from_scene(
@@ -109,7 +148,11 @@ class Model:
         path = os.fspath(scene)
         name, text = ("scene", path) if "\n" in path else (path, None)
         gamma = None if mass is None else _gamma(mass)
-        return cls._of(Core.from_scene(name, text, gamma, elements, penalty_mass == "diagonalised"))
+        number = count(elements, "elements")
+        core = Core.from_scene(name, text, gamma, number, penalty_mass == "diagonalised")
+        # Another process may be elsewhere.
+        there = path if text is not None or not Path(path).is_file() else str(Path(path).resolve())
+        return cls._of(core, there, mass, number, penalty_mass)
 
     @classmethod
     def from_matrices(
@@ -154,7 +197,7 @@ class Model:
         else:
             omega = float(reference)
         weights = _matrices.scales(scales, gaps[0][0])
-        return cls._of(Core.from_matrices(stiffness, mass, gaps, weights, omega))
+        return cls._of(Core.from_matrices(stiffness, mass, gaps, weights, omega), omega)
 
     @property
     def reference(self) -> float:
@@ -173,8 +216,11 @@ class Model:
         *,
         limit: str = "spectrum",
         theta: float | None = None,
+        parameter: float | None = None,
+        damping: Damping | Iterable[float] | None = None,
         engine: str = "auto",
         tolerance: float | None = None,
+        patch: int | None = None,
     ) -> CriticalStep:
         """Enclose the critical time step at one point, with every contact closed.
 
@@ -186,13 +232,23 @@ class Model:
             Penalty ratio r > 0; infinite (the default) is the pure penalty method.
         limit
             ``"spectrum"`` (2/omega_max, the limit of central differences), ``"central-difference"``,
-            ``"predictor-corrector"`` or ``"park"``.
+            ``"predictor-corrector"`` or ``"park"``; or an explicit scheme with the contact in its internal force, whose
+            limit is a multiple of that of the spectrum: ``"noh-bathe"`` (two forces a step), ``"chung-lee"``,
+            ``"tchamwa-wielgosz"`` or ``"generalised-alpha"``.
         theta
             Averaging of the Park scheme, 0.5 by default.
+        parameter
+            p of noh-bathe, beta of chung-lee, phi of tchamwa-wielgosz, rho of generalised-alpha; else as published.
+        damping
+            ``Damping(mass, stiffness, contact)``: C = A M + B K + c K_p, of the spectrum, central differences and the
+            predictor-corrector; A in 1/s, B and c in s. None by default.
         engine
             What finds the eigenvalue of bars: ``"auto"``, ``"closed-form"``, ``"secular"``, ``"sturm"``, ``"dense"``.
         tolerance
             Widest enclosure of the step of matrices and meshes, relative; 1e-9 by default. Bars: 1e-13 always.
+        patch
+            Elements along an edge of the patches that prove the bound of a mesh; by default the whole matrix is
+            factorised where that fits into memory, and patches are chosen where it does not.
 
         Raises
         ------
@@ -201,9 +257,9 @@ class Model:
         Uncertified
             The limit could not be enclosed as closely.
         """
-        asked = (limit, theta, engine, tolerance)
-        (dt, low, high), (c, c_low, c_high), omega, evidence, by = self._core.critical_step(beta_s, ratio, asked)
-        return CriticalStep(dt, low, high, c, c_low, c_high, omega, evidence, by, beta_s, ratio, limit)
+        what = asked(limit, theta, parameter, damping, engine, tolerance, patch)
+        (dt, low, high), (c, c_low, c_high), omega, evidence, by = self._core.critical_step(beta_s, ratio, what)
+        return CriticalStep(dt, low, high, c, c_low, c_high, omega, evidence, by, beta_s, ratio, _named(limit, what))
 
     def stability_map(
         self,
@@ -212,8 +268,11 @@ class Model:
         *,
         limit: str = "spectrum",
         theta: float | None = None,
+        parameter: float | None = None,
+        damping: Damping | Iterable[float] | None = None,
         engine: str = "auto",
         tolerance: float | None = None,
+        patch: int | None = None,
         progress: Progress = False,
     ) -> StabilityMap:
         """Enclose the critical time step over stiffness penalties and ratios.
@@ -224,7 +283,7 @@ class Model:
             [b] stiffness penalties, in any order.
         ratio
             [r] penalty ratios, in any order.
-        limit, theta, engine, tolerance
+        limit, theta, parameter, damping, engine, tolerance, patch
             As in `critical_step`; the tolerance is 1e-3 for more than 64 points by default.
         progress
             True for a line on standard error, or a function that is told the points done and all points.
@@ -235,9 +294,9 @@ class Model:
             Arrays of the shape [r, b]; NaN where the limit could not be enclosed as closely.
         """
         stiffness, ratios = _axis(beta_s, "beta_s"), _axis(ratio, "ratio")
-        asked = (limit, theta, engine, tolerance)
-        found = self._core.map(stiffness, ratios, asked, callback(progress))
-        return StabilityMap(self, stiffness, ratios, limit, theta, found)
+        what = asked(limit, theta, parameter, damping, engine, tolerance, patch)
+        found = self._core.map(stiffness, ratios, what, callback(progress))
+        return StabilityMap(self, stiffness, ratios, _named(limit, what), what, found)
 
     def optimal_ratio(
         self,
@@ -245,12 +304,16 @@ class Model:
         *,
         limit: str = "spectrum",
         theta: float | None = None,
+        parameter: float | None = None,
+        damping: Damping | Iterable[float] | None = None,
         tolerance: float | None = None,
+        patch: int | None = None,
     ) -> OptimalRatio:
         """Find the largest ratio that costs no time step against the model without contact, at one beta_s."""
-        found = self._core.optimal_ratio(beta_s, (limit, theta, "auto", tolerance))
+        what = asked(limit, theta, parameter, damping, "auto", tolerance, patch)
+        found = self._core.optimal_ratio(beta_s, what)
         value, lower, upper = found or [np.inf] * 3
-        return OptimalRatio(value, lower, upper, beta_s, limit)
+        return OptimalRatio(value, lower, upper, beta_s, _named(limit, what))
 
     def largest_penalty(
         self,
@@ -259,7 +322,10 @@ class Model:
         *,
         limit: str = "spectrum",
         theta: float | None = None,
+        parameter: float | None = None,
+        damping: Damping | Iterable[float] | None = None,
         tolerance: float | None = None,
+        patch: int | None = None,
     ) -> Largest:
         """Find the largest beta_s whose limit is not below `time_step` (s), with this ratio.
 
@@ -270,7 +336,8 @@ class Model:
         ValueError
             The step is beyond the limit without contact already.
         """
-        return self._largest(self._core.largest_penalty, time_step, ratio, (limit, theta, "auto", tolerance))
+        what = asked(limit, theta, parameter, damping, "auto", tolerance, patch)
+        return self._largest(self._core.largest_penalty, time_step, ratio, what)
 
     def largest_ratio(
         self,
@@ -279,31 +346,41 @@ class Model:
         *,
         limit: str = "spectrum",
         theta: float | None = None,
+        parameter: float | None = None,
+        damping: Damping | Iterable[float] | None = None,
         tolerance: float | None = None,
+        patch: int | None = None,
     ) -> Largest:
         """Find the largest ratio whose limit is not below `time_step` (s), with this beta_s; as `largest_penalty`."""
-        return self._largest(self._core.largest_ratio, time_step, beta_s, (limit, theta, "auto", tolerance))
+        what = asked(limit, theta, parameter, damping, "auto", tolerance, patch)
+        return self._largest(self._core.largest_ratio, time_step, beta_s, what)
 
     def _largest(
         self,
-        find: Callable[[float, float, _Asked], list[float] | None],
+        find: Callable[[float, float, Asked], list[float] | None],
         time_step: float,
         other: float,
-        asked: _Asked,
+        what: Asked,
     ) -> Largest:
-        found = find(time_step, other, asked)
+        found = find(time_step, other, what)
         if found is None:
-            limit, theta, _, tolerance = asked
-            free = self.critical_step(0.0, limit=limit, theta=theta, tolerance=tolerance).value
+            free = self._core.critical_step(0.0, np.inf, what)[0][0]
             raise ValueError(
                 f"time_step: {time_step!r} is not allowed; allowed: at most {free!r} s, the limit without contact"
             )
         return Largest(*found)
 
-    def governs(self, beta_s: float, ratio: float = np.inf, *, tolerance: float | None = None) -> Governing:
+    def governs(
+        self,
+        beta_s: float,
+        ratio: float = np.inf,
+        *,
+        tolerance: float | None = None,
+        patch: int | None = None,
+    ) -> Governing:
         """Find who governs the step of the spectrum at one point: contacts, bodies, elements, and the mode."""
         energy, contacts, bodies, elements, mode = self._core.governs(
-            beta_s, ratio, ("spectrum", None, "auto", tolerance)
+            beta_s, ratio, asked("spectrum", None, None, None, "auto", tolerance, patch)
         )
         named = [ContactShare(*contact) for contact in contacts]
         return Governing(energy, named, dict(bodies), dict(elements), mode, beta_s, ratio)
@@ -315,17 +392,20 @@ class Model:
         *,
         scheme: str = "central-difference",
         theta: float | None = None,
+        damping: Damping | Iterable[float] | None = None,
         tolerance: float | None = None,
     ) -> SteppedLimit:
         """Find the limit of a scheme by stepping alone, contacts held closed.
 
         `tolerance` is the relative distance of the stable from the unstable step, in [1e-12, 0.1]; the number of steps
         grows with its inverse, or the root of that for central differences. By default it is 1e-4, and 1e-6 for
-        central differences.
+        undamped central differences. `scheme`, `theta` and `damping` as in `impact`.
         """
-        seconds, steps, growth, agrees = self._core.verify(beta_s, ratio, scheme, theta, tolerance)
+        stepping, what = scheme_asked(scheme, theta, damping), asked(scheme, theta, None, damping, tolerance=tolerance)
+        seconds, steps, growth, agrees = self._core.verify(beta_s, ratio, stepping, what)
         predicted, stable, unstable = seconds
-        return SteppedLimit(stable, unstable, predicted, agrees, growth, steps, scheme, beta_s, ratio)
+        by = _named(scheme, what)
+        return SteppedLimit(stable, unstable, predicted, agrees, growth, steps, by, beta_s, ratio)
 
     def impact(
         self,
@@ -336,30 +416,57 @@ class Model:
         relative_courant: float = 0.5,
         duration: float | None = None,
         theta: float | None = None,
+        damping: Damping | Iterable[float] | None = None,
+        velocity: ArrayLike | None = None,
+        load: ArrayLike | None = None,
+        gaps: ArrayLike | None = None,
         every: int = 1,
         progress: Progress = False,
     ) -> Impact:
-        """Step the scene through its impact: contacts open and close.
+        """Step bars, a mesh or matrices through an impact: contacts open and close.
+
+        Scenes of bars and meshes with ``[impact]`` bring velocities, gravity, gaps and duration; for matrices, and
+        for a mesh that should move otherwise, give them here.
 
         Parameters
         ----------
         beta_s, ratio
             The penalties.
         scheme
-            ``"central-difference"``, ``"predictor-corrector"`` or ``"park"``.
+            ``"central-difference"``, ``"predictor-corrector"`` or ``"park"``; ``"buffered"``, ``"lagrange"``,
+            ``"moreau-jean"``, ``"paoli-schatzman"`` or ``"mass-redistribution"``.
         relative_courant
-            dt over the critical step of the scene without contact.
+            dt over the critical step without contact.
         duration
             s; that of the scene by default.
         theta
             Averaging of the Park scheme, 0.5 by default.
+        damping
+            ``Damping(mass, stiffness, contact)`` of central differences and the predictor-corrector.
+        velocity
+            [n], m/s, of the unknowns at the start. A number is that of all.
+        load
+            [n], N, constant forces on the unknowns.
+        gaps
+            [k], m, of the contacts at the start, negative where open; 0 for matrices by default.
         every
             A row of the history every so many steps.
         progress
             As in `stability_map`, in steps.
+
+        Raises
+        ------
+        ValueError
+            What is not allowed, with what is: velocities of bars, a missing duration.
         """
         told = callback(progress)
-        found = self._core.impact(scheme, theta, beta_s, ratio, relative_courant, duration, every, told)
+        start = (
+            _matrices.vector(velocity, "velocity", self.unknowns),
+            _matrices.vector(load, "load", self.unknowns),
+            _matrices.vector(gaps, "gaps", self.contacts),
+        )
+        pace = (beta_s, ratio, relative_courant, duration, count(every, "every") or 0)
+        found = self._core.impact(scheme_asked(scheme, theta, damping), pace, start, told)
         return Impact(**found, scheme=scheme, beta_s=beta_s, ratio=ratio)
 
     def contour(
@@ -370,14 +477,18 @@ class Model:
         *,
         limit: str = "spectrum",
         theta: float | None = None,
+        parameter: float | None = None,
+        damping: Damping | Iterable[float] | None = None,
         tolerance: float | None = None,
+        patch: int | None = None,
     ) -> NDArray[np.float64]:
         """Find the line of one critical Courant number in a rectangle of penalties, without a grid.
 
         Returns the points (beta_s, r), [n, 2], in the order of beta_s; n = 0 where there is none, or where the line of
         a scheme is not known.
         """
-        return self._core.contour(courant, beta_s, ratio, (limit, theta, "auto", tolerance))
+        what = asked(limit, theta, parameter, damping, "auto", tolerance, patch)
+        return self._core.contour(courant, beta_s, ratio, what)
 
     def _facts(self) -> list[tuple[str, str]]:
         facts = [

@@ -193,7 +193,7 @@ def _map(found: StabilityMap, ax: Axes) -> None:
     x, y = (float(beta_s[0]), float(beta_s[-1])), (float(ratio[0]), float(ratio[-1]))
     casing = [patheffects.withStroke(linewidth=CASING, foreground="white")]
     for level in (level for level in ROUND if 1.1 * low < level < 0.97 * high):
-        line = found.model.contour(level, x, y, limit=found.limit, theta=found.theta)
+        line = found.model._core.contour(level, x, y, found._asked)
         if len(line):
             ax.plot(*line.T, color="black", linewidth=THIN, path_effects=casing)
             at = line[len(line) // 2]
@@ -213,12 +213,14 @@ def _map(found: StabilityMap, ax: Axes) -> None:
 
 @_in_style
 def impact(run: Impact, ax: Axes | None) -> Axes:
-    """Draw the forces of all contacts over time, the exact one beside them."""
+    """Draw the forces of a few contacts over time, or the sum of many; the exact one beside them."""
     ax = _axes(ax)
     if run.exact_force is not None:
         ax.plot(run.time, run.exact_force, color="black", linewidth=THIN, label="exact")
-    for contact, force in enumerate(run.contact_force.T):
-        label = run.scheme if run.contact_force.shape[1] == 1 else f"contact {contact + 1}"
+    contacts = run.contact_force.shape[1]
+    forces, name = (run.contact_force.T, "contact {}") if contacts <= STYLES else ([run.resultant], "all {} contacts")
+    for contact, force in enumerate(forces):
+        label = run.scheme if contacts == 1 else name.format(contact + 1 if contacts <= STYLES else contacts)
         ax.plot(run.time, force, label=label, **_line(contact % STYLES, CURVE))
     ax.set_xlabel("time, s")
     ax.set_ylabel("contact force, N")

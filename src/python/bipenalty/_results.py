@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import html
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from ._asked import Asked
     from ._bipenalty import Map
     from ._model import Model
 
@@ -62,7 +63,7 @@ class CriticalStep:
     courant_upper: float
     """No smaller than it."""
     omega_max: float
-    """2/dt_cr, rad/s: the highest frequency where the limit is that of the spectrum."""
+    """rad/s: the highest frequency of spectrum and explicit schemes; of other limits 2/dt_cr."""
     evidence: str
     """``"proven"`` or ``"lower bound"``."""
     engine: str
@@ -234,6 +235,25 @@ class SteppedLimit:
         return f"{self.scheme}: {steps}, {beside}, for {_penalty(self.beta_s, self.ratio)}"
 
 
+@dataclass(frozen=True)
+class _Kept:
+    """What a map is made of once it was pickled."""
+
+    arrays: dict[str, NDArray[np.float64]]
+    engine: list[str]
+    known: list[str]
+    seconds: float
+
+    def array(self, quantity: str) -> NDArray[np.float64]:
+        return self.arrays[quantity]
+
+    def engines(self) -> list[str]:
+        return self.engine
+
+    def evidence(self) -> list[str]:
+        return self.known
+
+
 @dataclass(frozen=True, eq=False)
 class StabilityMap:
     """The critical step over stiffness penalties and ratios.
@@ -250,9 +270,8 @@ class StabilityMap:
     """Penalty ratios r; inf is the pure penalty method."""
     limit: str
     """``"spectrum"``, or the scheme whose limit it is."""
-    theta: float | None = field(repr=False)
-    """Averaging of the Park scheme."""
-    _map: Map = field(repr=False)
+    _asked: Asked = field(repr=False)
+    _map: Map | _Kept = field(repr=False)
 
     @cached_property
     def critical_step(self) -> NDArray[np.float64]:
@@ -286,8 +305,16 @@ class StabilityMap:
 
     @cached_property
     def omega_max(self) -> NDArray[np.float64]:
-        """2/dt_cr, rad/s: the highest frequency where the limit is that of the spectrum."""
+        """rad/s: the highest frequency of spectrum and explicit schemes; of other limits 2/dt_cr."""
         return self._map.array("omega_max")
+
+    def __getstate__(self) -> dict[str, object]:
+        """Say what to copy and pickle."""
+        found = self._map
+        arrays = {name: found.array(name) for name in _QUANTITIES}
+        kept = _Kept(arrays, found.engines(), found.evidence(), found.seconds)
+        own = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {**own, "_map": kept}
 
     @property
     def seconds(self) -> float:
@@ -364,6 +391,7 @@ class StabilityMap:
             )
 
 
+_QUANTITIES = ("critical_step", "lower", "upper", "courant", "courant_lower", "courant_upper", "omega_max")
 _COLUMNS = (
     "scene,mass,gamma,elements,limit,stiffness_penalty,ratio,omega_max,critical_courant,lower,upper,engine,"
     "critical_step,step_lower,step_upper,evidence,penalty_stiffness,penalty_mass"
@@ -380,8 +408,8 @@ class Impact:
     """[n, k], N, positive in compression."""
     gap: NDArray[np.float64]
     """[n, k], m, positive in penetration."""
-    relative_gap: NDArray[np.float64]
-    """[n, k], the gap over the length of the reference element."""
+    relative_gap: NDArray[np.float64] | None
+    """[n, k], the gap over the length of the reference element, of bars."""
     kinetic_energy: NDArray[np.float64]
     """[n], J."""
     strain_energy: NDArray[np.float64]
@@ -389,13 +417,13 @@ class Impact:
     penalty_energy: NDArray[np.float64]
     """[n], J, held by the penalties of the closed contacts."""
     contact_work: NDArray[np.float64]
-    """[n], J, that the bars have done on the contacts."""
+    """[n], J, that the bodies have done on the contacts."""
     body_work: NDArray[np.float64]
-    """[n], J, of the body force since the start."""
+    """[n], J, of body forces and loads since the start."""
     loss: NDArray[np.float64]
     """[n], J, lost by the scheme; negative is a gain."""
     exact_force: NDArray[np.float64] | None
-    """[n], N, of the exact solution of one contact, where there is one."""
+    """[n], N, of the exact solution of one contact of bars, where there is one."""
     time_step: float
     """dt, s."""
     steps: int
@@ -403,9 +431,9 @@ class Impact:
     switches: int
     """How often a contact has opened or closed."""
     force_error: float | None
-    """rms of force minus exact force over all steps, over the peak exact force."""
+    """rms of force minus exact force over all steps, over the peak exact force; None without an exact force."""
     energy_ratio: float | None
-    """Energy at the end over that at the start."""
+    """Energy at the end over that at the start; None where there is none at the start."""
     more_energy: bool
     """Whether that is above 1 by more than rounding."""
     blew_up_at: float | None
@@ -416,6 +444,12 @@ class Impact:
     """Stiffness penalty, dimensionless."""
     ratio: float
     """Penalty ratio r."""
+
+    @property
+    def resultant(self) -> NDArray[np.float64]:
+        """[n], N: the sum of the forces of all contacts, as on a wall where all have one direction."""
+        total: NDArray[np.float64] = self.contact_force.sum(axis=1)
+        return total
 
     @property
     def energy(self) -> NDArray[np.float64]:

@@ -2,6 +2,15 @@
 //! Python beside it (`bipenalty/`), and this crate carries numbers from one to the other.
 //!
 //! Results are tuples and arrays here; the Python package gives them names, units and a `repr`.
+//!
+//! # Rooms
+//! ```text
+//! model          a scene or matrices as `Core`: points, ratios, penalties, contours
+//! map, stepped   what a map holds; limits found by stepping        impact   runs of bars
+//! distributed    one part of a mesh, and the driver that asks all of them
+//! arrays, asked  numpy and scipy to vectors and rows, without a copy where that is possible; what is asked, by name
+//! work           long work without the interpreter's lock, with progress and Ctrl-C
+//! ```
 
 mod arrays;
 mod asked;
@@ -51,6 +60,7 @@ fn _bipenalty(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<map::Map>()?;
     module.add_class::<distributed::Part>()?;
     module.add_class::<distributed::Session>()?;
+    module.add_function(wrap_pyfunction!(asked::limit_name, module)?)?;
     module.add_function(wrap_pyfunction!(distributed::split, module)?)?;
     module.add_function(wrap_pyfunction!(distributed::axis, module)?)
 }

@@ -5,15 +5,15 @@ use std::time::Instant;
 
 use bipenalty::error::Refusal;
 use bipenalty::fem::MassMatrix;
-use bipenalty::impact::Run;
 use bipenalty::matrices::{Matrices, Reference};
+use bipenalty::mesh::MeshImpact;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::Matrix;
 use bipenalty::schemes::Onset;
 use bipenalty::spectrum::{Engine as _, Evidence, Step};
 use bipenalty::stability::{
     AnyModel, AnyScene, Asking, Auto, ContactShare, CriticalStep, EngineName, Grid, MapPoint, MeshModel,
-    Model, Sweep,
+    Sweep,
 };
 use bipenalty::verify::PenaltyPoint;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray1};
@@ -21,7 +21,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{MassOrRows, Parts, Rows, fingerprint, parts};
-use crate::asked::{Asked, scheme_of};
+use crate::asked::{Asked, SchemeAsked};
 use crate::map::Map;
 use crate::stepped::{SteppedTuple, stepped};
 use crate::work::{Watch, long};
@@ -39,6 +39,8 @@ pub struct Core {
     auto: Option<Auto>,
     /// Of matrices that are shared with arrays.
     fingerprint: Option<u64>,
+    /// What the scene of a mesh says of its impact.
+    impact: Option<MeshImpact>,
 }
 
 /// A step and its enclosure, s; the same as Courant numbers; omega_max, rad/s; evidence; engine.
@@ -59,7 +61,7 @@ impl Core {
             AnyModel::Bars(model) => Some(model.auto()),
             AnyModel::Mesh(_) => None,
         };
-        Self { model: Arc::new(model), auto, fingerprint: None }
+        Self { model: Arc::new(model), auto, fingerprint: None, impact: None }
     }
 
     /// The model, whose shared arrays are what they were.
@@ -73,20 +75,10 @@ impl Core {
         Ok(Arc::clone(&self.model))
     }
 
-    /// The model of bars.
-    fn bars(&self, what: &str) -> PyResult<&Model> {
-        match &*self.model {
-            AnyModel::Bars(model) => Ok(model),
-            AnyModel::Mesh(model) => {
-                Err(refused(Refusal::new(what, format!("scene {}", model.name()), "a scene of [[bar]]")))
-            }
-        }
-    }
-
     /// The point of bars that costs a microsecond.
     fn quick(&self, beta_s: f64, ratio: f64, asking: &Asking) -> PyResult<Option<MapPoint>> {
         let (AnyModel::Bars(model), Some(auto)) = (&*self.model, &self.auto) else { return Ok(None) };
-        let usual = asking.limit.scheme().is_none() && asking.engine == EngineName::Auto;
+        let usual = asking.limit.is_spectrum() && asking.engine == EngineName::Auto;
         if !usual || model.scene().elements() > QUICK {
             return Ok(None);
         }
@@ -142,9 +134,15 @@ impl Core {
                 None => AnyScene::load(&scene)?,
             };
             let scene = elements.map_or(Ok(scene.clone()), |elements| scene.with_elements(elements))?;
-            AnyModel::new(&scene, mass, form)
+            let model = AnyModel::new(&scene, mass, form)?;
+            let impact = match scene {
+                AnyScene::Mesh(scene) => scene.impact,
+                AnyScene::Bars(_) | AnyScene::Matrices(_) => None,
+            };
+            Ok((model, impact))
         })?;
-        model.map(Self::new).map_err(failed)
+        let (model, impact) = model.map_err(failed)?;
+        Ok(Self { impact, ..Self::new(model) })
     }
 
     /// The model of matrices that are in memory; a reference of None is that of the mesh.
@@ -297,52 +295,38 @@ impl Core {
         Ok((found.contact_energy, contacts, found.bodies, found.elements, mode))
     }
 
-    /// (predicted, stable_at, unstable_at) s, steps, growth, agrees.
-    #[pyo3(signature = (beta_s, ratio, scheme, theta, tolerance))]
+    /// (predicted, stable_at, unstable_at) s, steps, growth, agrees; `asked` is the limit of the scheme that steps.
+    #[pyo3(signature = (beta_s, ratio, scheme, asked))]
     fn verify(
         &self,
         py: Python<'_>,
         beta_s: f64,
         ratio: f64,
-        scheme: &str,
-        theta: Option<f64>,
-        tolerance: Option<f64>,
+        scheme: SchemeAsked,
+        asked: Asked,
     ) -> PyResult<SteppedTuple> {
-        let (model, scheme) = (self.model()?, scheme_of(scheme, theta).map_err(refused)?);
+        let (model, scheme) = (self.model()?, scheme.scheme()?);
+        let Asking { limit, tolerance, .. } = asked.asking()?;
         // As verify-limits has them: trials of some 1e4 and 1e6 steps.
         let usual = if scheme.facts().onset == Onset::SquareRoot { 1e-6 } else { 1e-4 };
         let tolerance = tolerance.unwrap_or(usual);
         let stiffness_penalty = StiffnessPenalty::new(beta_s).map_err(refused)?;
         let point = PenaltyPoint { stiffness_penalty, ratio: Ratio::new(ratio).map_err(refused)? };
-        long(py, 1, None, move |_| stepped(&model, scheme, point, tolerance))?.map_err(failed)
+        long(py, 1, None, move |_| stepped(&model, &scheme, limit, point, tolerance))?.map_err(failed)
     }
 
     /// The arrays and numbers of a run by name.
-    #[pyo3(signature = (scheme, theta, beta_s, ratio, relative_courant, duration, every, progress))]
-    #[expect(clippy::too_many_arguments, reason = "the keywords of a Python method")]
+    #[pyo3(signature = (scheme, pace, start, progress))]
     fn impact<'py>(
         &self,
         py: Python<'py>,
-        scheme: &str,
-        theta: Option<f64>,
-        beta_s: f64,
-        ratio: f64,
-        relative_courant: f64,
-        duration: Option<f64>,
-        every: u64,
+        scheme: SchemeAsked,
+        pace: impact::Pace,
+        start: impact::AtStart<'py>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let model = self.bars("impact")?.clone();
-        let run = || {
-            let (beta_s, ratio) = (StiffnessPenalty::new(beta_s)?, Ratio::new(ratio)?);
-            let run = Run::new(model, scheme_of(scheme, theta)?, beta_s, ratio)?;
-            let run = run.with_relative_courant(relative_courant)?;
-            match duration {
-                Some(duration) => run.with_duration(duration),
-                None => Ok(run),
-            }
-        };
-        impact::run(py, run().map_err(refused)?, every, progress)
+        let thrown = (self.model()?, self.impact.clone());
+        impact::run(py, thrown, scheme.scheme()?, (pace, start), progress)
     }
 
     /// Points (beta_s, r) where C_r takes a value: n x 2.

@@ -2,49 +2,48 @@
 
 use std::sync::Arc;
 
-use bipenalty::error::Result;
+use bipenalty::error::{Refusal, Result};
 use bipenalty::schemes::Scheme;
-use bipenalty::stability::{AnyModel, Asking, LimitOf};
-use bipenalty::verify::{PenaltyPoint, Prediction, Predictor, Search, confirm, limit_of_any};
+use bipenalty::stability::{AnyModel, Asking, Grid, LimitOf};
+use bipenalty::verify::{PenaltyPoint, Prediction, confirm_any, predict_any};
 
 /// The predicted limit, a stable and an unstable step, s; steps of a trial; growth; whether the prediction agrees.
 pub type SteppedTuple = ([f64; 3], u64, f64, Option<bool>);
 
-/// The limit of a scheme by stepping, beside the predicted one; of bars the search begins at the prediction.
+/// The limit of a scheme by stepping, beside the predicted one: NaN where none is derived.
 ///
 /// # Errors
 /// What a trial refuses; a predicted limit that could not be enclosed.
 pub fn stepped(
     model: &AnyModel,
-    scheme: Arc<dyn Scheme>,
+    scheme: &Arc<dyn Scheme>,
+    limit: LimitOf,
     point: PenaltyPoint,
     tolerance: f64,
 ) -> Result<SteppedTuple> {
-    let (predicted, found, agrees) = match model {
-        AnyModel::Bars(bars) => {
-            let pencil = bars.pencil();
-            let predicted = Predictor::new(bars, &pencil, &*scheme)?.at(point, tolerance)?;
-            let confirmed = confirm(bars, &*scheme, point, tolerance, Some(predicted.clone()))?;
-            (predicted.courant, confirmed.found, confirmed.agrees)
-        }
-        AnyModel::Mesh(_) => {
-            let search = Search::to(tolerance, &*scheme)?;
-            let found = limit_of_any(model, &*scheme, point, &search)?.courant;
-            let asking = Asking { limit: LimitOf::Scheme(scheme), ..Asking::default() };
-            match model.critical_step(point.stiffness_penalty.get(), point.ratio.get(), &asking) {
-                Ok(predicted) => {
-                    let step = predicted.step?;
-                    let (courant, evidence) = (step.critical_courant, step.evidence);
-                    let (growth, steps_needed, islands) = (None, None, Vec::new());
-                    let prediction = Prediction { courant, evidence, growth, steps_needed, islands };
-                    (courant, found, found.judge(&prediction, tolerance))
-                }
-                // The limit of this scheme is not derived for meshes.
-                Err(_) => (f64::NAN, found, None),
-            }
-        }
-    };
+    let predicted = predicted(model, scheme, limit, point, tolerance).ok();
+    let courant = predicted.as_ref().map_or(f64::NAN, |predicted| predicted.courant);
+    let confirmed = confirm_any(model, &**scheme, point, tolerance, predicted)?;
+    let found = confirmed.found;
     let seconds = |courant: f64| model.time_step(courant);
-    let seconds = [seconds(predicted)?, seconds(found.stable_at)?, seconds(found.unstable_at)?];
-    Ok((seconds, found.steps, found.growth, agrees))
+    let seconds = [seconds(courant)?, seconds(found.stable_at)?, seconds(found.unstable_at)?];
+    Ok((seconds, found.steps, found.growth, confirmed.agrees))
+}
+
+fn predicted(
+    model: &AnyModel,
+    scheme: &Arc<dyn Scheme>,
+    limit: LimitOf,
+    point: PenaltyPoint,
+    tolerance: f64,
+) -> Result<Prediction> {
+    if let (AnyModel::Mesh(_), LimitOf::Damped(_)) = (model, &limit) {
+        let asking = Asking { limit, ..Asking::default() };
+        let step = model.critical_step(point.stiffness_penalty.get(), point.ratio.get(), &asking)?.step?;
+        let (courant, evidence) = (step.critical_courant, step.evidence);
+        return Ok(Prediction { courant, evidence, growth: None, steps_needed: None, islands: Vec::new() });
+    }
+    let grid = Grid { stiffness_penalties: vec![point.stiffness_penalty], ratios: vec![point.ratio] };
+    let none = || Refusal::new("grid", "no point", "one");
+    Ok(predict_any(model, scheme, &grid, tolerance).pop().ok_or_else(none)??)
 }

@@ -3,10 +3,9 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use bipenalty::interrupt;
@@ -53,28 +52,48 @@ impl Watch {
     }
 }
 
-/// The threads of this process: a child that was forked has none of its parent's.
-static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+/// Pools of this process that compute nothing now. A call has one to itself: in a common one a thread that waits for a part of
+/// one call would take up another call whole, and wait for a model that it holds itself.
+static IDLE: Mutex<Idle> = Mutex::new(Idle { process: 0, pools: Vec::new() });
+
+struct Idle {
+    process: u32,
+    pools: Vec<Arc<ThreadPool>>,
+}
+
+/// What lies idle in this process: a child that was forked has none of its parent's threads.
+fn idle() -> MutexGuard<'static, Idle> {
+    let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
+    if idle.process != std::process::id() {
+        // The parent's threads are not here to be ended.
+        std::mem::forget(std::mem::take(&mut idle.pools));
+        idle.process = std::process::id();
+    }
+    idle
+}
 
 fn pool() -> PyResult<Arc<ThreadPool>> {
-    let mut known = POOL.lock().unwrap_or_else(PoisonError::into_inner);
-    match &*known {
-        Some((process, pool)) if *process == std::process::id() => Ok(Arc::clone(pool)),
-        _ => {
-            let built = ThreadPoolBuilder::new().thread_name(|i| format!("bipenalty-{i}")).build();
-            let pool = Arc::new(built.map_err(|e| PyRuntimeError::new_err(e.to_string()))?);
-            // The parent's threads are not here to be ended.
-            std::mem::forget(known.replace((std::process::id(), Arc::clone(&pool))));
-            Ok(pool)
-        }
+    if let Some(pool) = idle().pools.pop() {
+        return Ok(pool);
+    }
+    let built = ThreadPoolBuilder::new().thread_name(|i| format!("bipenalty-{i}")).build();
+    Ok(Arc::new(built.map_err(|e| PyRuntimeError::new_err(e.to_string()))?))
+}
+
+/// Keeps a pool for the next call, if there are not as many idle pools as threads in one: more calls at a time gain nothing.
+fn give_back(pool: Arc<ThreadPool>) {
+    let mut idle = idle();
+    if idle.pools.len() < pool.current_num_threads() {
+        idle.pools.push(pool);
     }
 }
 
-/// Runs `work` on the threads of this process. `progress` is called with the parts done and `total` now and then, if it
+/// Runs `work` on threads of its own. `progress` is called with the parts done and `total` now and then, if it
 /// is not None.
 ///
 /// # Errors
-/// What a signal raises, Ctrl-C above all, and what `progress` raises: the computation ends at its next part.
+/// What a signal raises, Ctrl-C above all, and what `progress` raises. Both are raised at once; the computation ends at its next
+/// part, on its own threads. What it works on lives until then.
 pub fn long<T: Send + 'static>(
     py: Python<'_>,
     total: usize,
@@ -84,14 +103,18 @@ pub fn long<T: Send + 'static>(
     let (sender, mut receiver) = channel::<Result<T, Box<dyn Any + Send>>>();
     let watch = Arc::new(Watch::default());
     let watched = Arc::clone(&watch);
-    pool()?.spawn(move || {
+    let pool = pool()?;
+    let own = Arc::clone(&pool);
+    pool.spawn(move || {
         let looking = Arc::clone(&watched);
         let result = catch_unwind(AssertUnwindSafe(|| {
-            interrupt::watched(Rc::new(move || looking.look()), || work(&watched))
+            interrupt::watched(Arc::new(move || looking.look()), || work(&watched))
         }));
+        give_back(own);
         // Nobody waits any more after Ctrl-C.
         let _ = sender.send(result);
     });
+    drop(pool);
     let tell = |done: usize| progress.map_or(Ok(()), |told| told.call1((done.min(total), total)).map(|_| ()));
     loop {
         // A receiver may be handed on, but not shared.

@@ -43,8 +43,8 @@
 //! is its energy relative to the body, O(h) of the whole, as in any plastic impact of a node. An opening loses nothing until
 //! the buffer is put to rest.
 
-use super::impulses::{Buffer, ForwardIncrement, Steps};
-use super::{ContactSearch, Facts, Motion, Onset, Scheme, System};
+use super::impulses::{Buffer, Steps};
+use super::{CentralDifference, Facts, Lagrange, Motion, Scheme, System};
 use crate::error::Refusal;
 use crate::pencil::{Penalty, Pencil};
 use crate::spectrum::{Engine, Evidence, Step, StepLimit, Uncertified};
@@ -58,14 +58,11 @@ impl Scheme for Buffered {
         Facts {
             name: "buffered",
             title: "central difference, buffered",
-            solves: 1,
-            order: 2,
-            search: ContactSearch::StartOfStep,
-            onset: Onset::SquareRoot,
             gains_nothing: true,
             reaction: "(s q + m Z'M^-1 (f - K u))/(1 + m mu) while closed",
             closed_limit: "the larger one of 2/omega_max of (K, M) and of (K + K_p, M + M_p)",
             source: "this crate; forward increments after Carpenter, Taylor, Katona 1991",
+            ..CentralDifference::FACTS
         }
     }
 
@@ -78,7 +75,7 @@ impl Scheme for Buffered {
             Buffer::new(stiffness, stiffness / rate, rate)
         };
         let buffers = system.pencil.gaps().iter().map(|gap| buffer(gap.scale)).collect();
-        Ok(Box::new(Steps::start(ForwardIncrement, buffers, &system, u, v)?))
+        Ok(Box::new(Steps::start(Lagrange, buffers, &system, u, v)?))
     }
 
     fn limit<'a>(

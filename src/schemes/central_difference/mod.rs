@@ -13,20 +13,24 @@ use crate::spectrum::{Engine, Spectrum, StepLimit};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CentralDifference;
 
+impl CentralDifference {
+    pub(super) const FACTS: Facts = Facts {
+        name: "central-difference",
+        title: "central difference",
+        solves: 1,
+        order: 2,
+        search: ContactSearch::StartOfStep,
+        onset: Onset::SquareRoot,
+        gains_nothing: false,
+        reaction: "(s g + m Z'M^-1 (f - K u))/(1 + m mu)",
+        closed_limit: "2/omega_max of (K + K_p, M + M_p)",
+        source: "Kolman et al. 2021, 4.3",
+    };
+}
+
 impl Scheme for CentralDifference {
     fn facts(&self) -> Facts {
-        Facts {
-            name: "central-difference",
-            title: "central difference",
-            solves: 1,
-            order: 2,
-            search: ContactSearch::StartOfStep,
-            onset: Onset::SquareRoot,
-            gains_nothing: false,
-            reaction: "(s g + m Z'M^-1 (f - K u))/(1 + m mu)",
-            closed_limit: "2/omega_max of (K + K_p, M + M_p)",
-            source: "Kolman et al. 2021, 4.3",
-        }
+        Self::FACTS
     }
 
     fn start(&self, system: System<'_>, u: Vec<f64>, v: Vec<f64>) -> Result<Box<dyn Motion>, Refusal> {

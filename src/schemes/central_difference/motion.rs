@@ -8,8 +8,9 @@
 //! g_{n+1} = dt w + (g (1 + mu (m - dt^2 s)) + dt^2 p)/(1 + m mu)                  w = w_{n-1/2}
 //! ```
 //! The three numbers g, w, g_{n-1} are then one more than needed. A rounding that sets them apart is multiplied by -q in
-//! each step, so that these forms serve 1/2 < q <= 1 only; elsewhere the plain sums lose a digit at most, unless q exceeds
-//! 1 by very little.
+//! each step, of contacts that act on each other by a matrix of which each q is an entry only. So these forms serve
+//! 1/2 < q <= 1 and a matrix that is at most 1 ([`Body::relief`]); elsewhere the plain sums lose a digit at most, unless q
+//! exceeds 1 by very little.
 //!
 //! Energy: shadow = -dt^2/8 a'M a, balance_work = sum (lambda_n + lambda_{n+1})/2 dg, and closed contacts store
 //! s g^2/2 + m (Z'v)^2/2.
@@ -99,9 +100,7 @@ impl Steps {
         }
         self.gap_kick.copy_from_slice(&self.free_kick);
         contacts.relax(&state.closed, p, &mut self.gap_kick);
-        let halves =
-            state.force.iter().zip(&state.last_gap_change).map(|(force, change)| 0.5 * force * change);
-        state.contact_work += halves.sum::<f64>();
+        state.contact_work += state.half_work();
         state.balance_work = state.contact_work;
     }
 

@@ -17,8 +17,6 @@ use crate::schemes::{Body, Energy, Motion, State, System};
 #[derive(Debug)]
 pub(super) struct Steps {
     dampers: Dampers,
-    /// c, s.
-    contact: f64,
     body: Body,
     state: State,
     /// The last h a, m/s, and Z' of it.
@@ -45,7 +43,6 @@ impl Steps {
         let state = State::new(&body.contacts, u, v, body.dt);
         let mut steps = Self {
             dampers: Dampers::new(damping, n),
-            contact: damping.contact(),
             kick: vec![0.0; n],
             gap_kick: vec![0.0; k],
             synchronised: false,
@@ -71,16 +68,14 @@ impl Steps {
         state.search(*rule);
         for j in 0..contacts.len() {
             self.pull[j] = contacts.across(j, kick) / *dt;
-            self.push[j] = state.gap[j] + self.contact * state.gap_velocity[j];
+            self.push[j] = state.gap[j] + self.dampers.contact() * state.gap_velocity[j];
         }
         contacts.reactions(&state.closed, &self.push, Some(&self.pull), &mut state.force);
         contacts.add_columns(-*dt, &state.force, kick);
         for (j, gap_kick) in self.gap_kick.iter_mut().enumerate() {
             *gap_kick = contacts.across(j, kick);
         }
-        let halves =
-            state.force.iter().zip(&state.last_gap_change).map(|(force, change)| 0.5 * force * change);
-        state.contact_work += halves.sum::<f64>();
+        state.contact_work += state.half_work();
         state.balance_work = state.contact_work;
         self.synchronised = true;
     }
@@ -127,8 +122,7 @@ impl Motion for Steps {
     }
 
     fn velocity(&self, velocity: &mut [f64]) {
-        velocity.copy_from_slice(&self.state.velocity);
-        velocity.iter_mut().zip(&self.kick).for_each(|(v, kick)| *v += 0.5 * kick);
+        self.body.velocity(&self.state, &self.kick, velocity);
     }
 
     fn energy(&mut self) -> Energy {

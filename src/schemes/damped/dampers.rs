@@ -20,6 +20,11 @@ impl Dampers {
         Self { damping, moved: vec![0.0; n], dissipated: 0.0 }
     }
 
+    /// c, s.
+    pub fn contact(&self) -> f64 {
+        self.damping.contact()
+    }
+
     /// h M^-1 (f - K u - (A M + B K) v), for an operator of scale h.
     pub fn kick(&mut self, body: &Body, state: &State, kick: &mut [f64]) {
         let (stiffness, lag) = (self.damping.stiffness(), self.damping.mass() * body.dt);

@@ -9,7 +9,7 @@ pub use bound::DampedBound;
 
 use std::sync::Arc;
 
-use super::{CentralDifference, ContactSearch, Facts, Motion, Onset, PredictorCorrector, Scheme, System};
+use super::{CentralDifference, Facts, Motion, Onset, PredictorCorrector, Scheme, System};
 use crate::damping::{DampedLimit, Damping};
 use crate::error::Refusal;
 use crate::pencil::Pencil;
@@ -29,23 +29,17 @@ impl DampedCentralDifference {
     pub fn new(damping: Damping) -> Self {
         Self { damping }
     }
-
-    /// C.
-    pub fn damping(&self) -> Damping {
-        self.damping
-    }
 }
 
 impl Scheme for DampedCentralDifference {
     fn facts(&self) -> Facts {
-        let undamped = CentralDifference.facts();
+        let undamped = CentralDifference::FACTS;
         // Of a contact-free motion, which sees A and B alone.
         let order = if self.damping.of_bodies().is_none() { undamped.order } else { 1 };
         let onset = if self.damping.is_none() { undamped.onset } else { Onset::Linear };
         Facts {
             name: "damped-central-difference",
             title: "damped central difference",
-            search: ContactSearch::StartOfStep,
             order,
             onset,
             reaction: "(s (g + c Z'v) + m Z'M^-1 (f - K u - (A M + B K) v))/(1 + m mu)",
@@ -79,11 +73,6 @@ impl DampedPredictorCorrector {
     /// With C = `damping`; without damping these are the steps of [`PredictorCorrector`].
     pub fn new(damping: Damping) -> Self {
         Self { damping }
-    }
-
-    /// C.
-    pub fn damping(&self) -> Damping {
-        self.damping
     }
 }
 

@@ -14,8 +14,6 @@ use crate::schemes::{Body, Energy, Motion, State, System};
 #[derive(Debug)]
 pub(super) struct Steps {
     dampers: Dampers,
-    /// c, s.
-    contact: f64,
     body: Body,
     state: State,
     /// h a, m/s.
@@ -39,7 +37,6 @@ impl Steps {
         let state = State::new(&body.contacts, u, v, body.dt);
         let mut steps = Self {
             dampers: Dampers::new(damping, n),
-            contact: damping.contact(),
             kick: vec![0.0; n],
             predicted: state.gap_velocity.clone(),
             push: vec![0.0; k],
@@ -57,7 +54,7 @@ impl Steps {
         let Self { body: Body { contacts, rule, .. }, state, push, .. } = self;
         state.search(*rule);
         for (j, push) in push.iter_mut().enumerate() {
-            *push = state.gap[j] + self.contact * self.predicted[j];
+            *push = state.gap[j] + self.dampers.contact() * self.predicted[j];
         }
         contacts.reactions(&state.closed, push, None, &mut state.force);
     }

@@ -12,56 +12,26 @@
 //! so it is stable up to Omega = 2/sqrt(4 beta - 3), where the multiplier is -1: there a_0 = 4 (beta - 1)/(4 beta - 3) < 1 and
 //! 8 (2 beta - 1)(beta - 1) <= (4 beta - 3)^2, for every beta >= 1. Up to beta = 28/27 the damping grows with omega dt.
 
+use super::ExplicitFacts;
 use super::generalised_alpha::newmark;
-use super::{ExplicitFacts, ExplicitScheme};
-use crate::error::Refusal;
 
-/// The explicit scheme of Chung and Lee.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ChungLee {
-    beta: f64,
-}
+/// The explicit scheme of Chung and Lee with the parameter beta, which damps: beta = 1 does not. Below 1 it grows at every
+/// step; above 28/27 its authors exclude it.
+pub(super) static FACTS: ExplicitFacts = ExplicitFacts {
+    name: "chung-lee",
+    title: "Chung-Lee",
+    parameter: "beta",
+    usual: 28.0 / 27.0,
+    allowed: (1.0, 28.0 / 27.0),
+    evaluations: 1,
+    order: 2,
+    formula: "2/sqrt(4 beta - 3)",
+    source: "Chung, Lee, Int. J. Numer. Meth. Eng. 37 (1994)",
+    factor: |beta| 4.0 * beta - 3.0,
+    states: 3,
+    step,
+};
 
-impl ChungLee {
-    pub(super) const FACTS: ExplicitFacts = ExplicitFacts {
-        name: "chung-lee",
-        title: "Chung-Lee",
-        parameter: "beta",
-        usual: 28.0 / 27.0,
-        allowed: (1.0, 28.0 / 27.0),
-        evaluations: 1,
-        order: 2,
-        formula: "2/sqrt(4 beta - 3)",
-        source: "Chung, Lee, Int. J. Numer. Meth. Eng. 37 (1994)",
-    };
-
-    /// With the parameter beta, which damps: beta = 1 does not.
-    ///
-    /// # Errors
-    /// beta below 1, which grows at every step, and above 28/27, which its authors exclude.
-    pub fn new(beta: f64) -> Result<Self, Refusal> {
-        Ok(Self { beta: Self::FACTS.accept(beta)? })
-    }
-}
-
-impl ExplicitScheme for ChungLee {
-    fn facts(&self) -> ExplicitFacts {
-        Self::FACTS
-    }
-
-    fn parameter(&self) -> f64 {
-        self.beta
-    }
-
-    fn factor(&self) -> f64 {
-        4.0 * self.beta - 3.0
-    }
-
-    fn states(&self) -> usize {
-        3
-    }
-
-    fn step(&self, w: f64, state: &[f64]) -> Vec<f64> {
-        newmark(state, -w * state[0], self.beta, 1.5)
-    }
+fn step(beta: f64, w: f64, state: &[f64]) -> Vec<f64> {
+    newmark(state, -w * state[0], beta, 1.5)
 }

@@ -22,61 +22,30 @@
 //! 54 (2 - rho)^4 (1 + rho)^5/(rho^2 - 5 rho + 10)^2. At rho = 1 these are central differences and a multiplier -1 that belongs to a alone:
 //! an acceleration once wrong stays so. At rho = 1/2 they are the scheme of Chung and Lee with beta = 28/27.
 
-use super::{ExplicitFacts, ExplicitScheme};
-use crate::error::Refusal;
+use super::ExplicitFacts;
 
-/// The explicit generalised-alpha scheme of Hulbert and Chung, without damping.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GeneralisedAlpha {
-    rho: f64,
-}
+/// The explicit generalised-alpha scheme of Hulbert and Chung, without damping, with the modulus rho_b of the multipliers
+/// where they become real.
+pub(super) static FACTS: ExplicitFacts = ExplicitFacts {
+    name: "generalised-alpha",
+    title: "explicit generalised-alpha",
+    parameter: "rho_b",
+    usual: 0.8,
+    allowed: (0.0, 1.0),
+    evaluations: 1,
+    order: 2,
+    formula: "sqrt(12 (2 - rho)(1 + rho)/(rho^2 - 5 rho + 10))",
+    source: "Hulbert, Chung, Comput. Methods Appl. Mech. Eng. 137 (1996)",
+    factor: |rho| (10.0 - rho * (5.0 - rho)) / (6.0 + 3.0 * (rho * (1.0 - rho))),
+    states: 3,
+    step,
+};
 
-impl GeneralisedAlpha {
-    pub(super) const FACTS: ExplicitFacts = ExplicitFacts {
-        name: "generalised-alpha",
-        title: "explicit generalised-alpha",
-        parameter: "rho_b",
-        usual: 0.8,
-        allowed: (0.0, 1.0),
-        evaluations: 1,
-        order: 2,
-        formula: "sqrt(12 (2 - rho)(1 + rho)/(rho^2 - 5 rho + 10))",
-        source: "Hulbert, Chung, Comput. Methods Appl. Mech. Eng. 137 (1996)",
-    };
-
-    /// With the modulus rho_b of the multipliers where they become real.
-    ///
-    /// # Errors
-    /// A number outside of [0, 1].
-    pub fn new(rho: f64) -> Result<Self, Refusal> {
-        Ok(Self { rho: Self::FACTS.accept(rho)? })
-    }
-}
-
-impl ExplicitScheme for GeneralisedAlpha {
-    fn facts(&self) -> ExplicitFacts {
-        Self::FACTS
-    }
-
-    fn parameter(&self) -> f64 {
-        self.rho
-    }
-
-    fn factor(&self) -> f64 {
-        (10.0 - self.rho * (5.0 - self.rho)) / (6.0 + 3.0 * (self.rho * (1.0 - self.rho)))
-    }
-
-    fn states(&self) -> usize {
-        3
-    }
-
-    fn step(&self, w: f64, state: &[f64]) -> Vec<f64> {
-        let rho = self.rho;
-        let alpha = (2.0 * rho - 1.0) / (1.0 + rho);
-        let beta = (5.0 - 3.0 * rho) / ((1.0 + rho) * (1.0 + rho) * (2.0 - rho));
-        let a = (-w * state[0] - alpha * state[2]) / (1.0 - alpha);
-        newmark(state, a, beta, 1.5 - alpha)
-    }
+fn step(rho: f64, w: f64, state: &[f64]) -> Vec<f64> {
+    let alpha = (2.0 * rho - 1.0) / (1.0 + rho);
+    let beta = (5.0 - 3.0 * rho) / ((1.0 + rho) * (1.0 + rho) * (2.0 - rho));
+    let a = (-w * state[0] - alpha * state[2]) / (1.0 - alpha);
+    newmark(state, a, beta, 1.5 - alpha)
 }
 
 /// (u, dt v, dt^2 a) after a step to the acceleration `a`, by beta and gamma of Newmark.

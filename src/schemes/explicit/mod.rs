@@ -29,20 +29,14 @@ mod name;
 mod noh_bathe;
 mod tchamwa_wielgosz;
 
-use std::fmt::Debug;
-
-pub use chung_lee::ChungLee;
 pub use cost::{Cost, CostCurve};
-pub use generalised_alpha::GeneralisedAlpha;
 pub use name::ExplicitName;
-pub use noh_bathe::NohBathe;
-pub use tchamwa_wielgosz::TchamwaWielgosz;
 
 use crate::error::Refusal;
 use crate::spectrum::{Engine, OfSpectrum};
 
-/// What is known of an explicit scheme.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// An explicit scheme with the contact in its internal force, whatever its parameter.
+#[derive(Debug, Clone, Copy)]
 pub struct ExplicitFacts {
     /// The name in records.
     pub name: &'static str,
@@ -62,53 +56,70 @@ pub struct ExplicitFacts {
     pub formula: &'static str,
     /// Where the scheme is defined.
     pub source: &'static str,
+    /// 4/Omega^2 by the parameter, at most 7 unit roundoffs off.
+    pub factor: fn(parameter: f64) -> f64,
+    /// Numbers in a state: 2 of (u, dt v), 3 of (u, dt v, dt^2 a).
+    pub states: usize,
+    /// The state after a step of an undamped mode with (omega dt)^2 = w, as the scheme defines it.
+    pub step: fn(parameter: f64, w: f64, state: &[f64]) -> Vec<f64>,
 }
 
-impl ExplicitFacts {
-    /// The parameter, if it is accepted.
-    fn accept(&self, value: f64) -> Result<f64, Refusal> {
-        let (low, high) = self.allowed;
-        if (low..=high).contains(&value) {
-            return Ok(value);
+/// An explicit scheme with its parameter.
+#[derive(Debug, Clone, Copy)]
+pub struct ExplicitScheme {
+    facts: &'static ExplicitFacts,
+    parameter: f64,
+}
+
+impl ExplicitScheme {
+    /// The scheme with this parameter.
+    ///
+    /// # Errors
+    /// A parameter for which the limit is not proven.
+    pub fn new(facts: &'static ExplicitFacts, parameter: f64) -> Result<Self, Refusal> {
+        let (low, high) = facts.allowed;
+        if (low..=high).contains(&parameter) {
+            return Ok(Self { facts, parameter });
         }
         let allowed = format!("a number from {low} to {high}, for which its limit is proven");
-        Err(Refusal::new(format!("{}, {}", self.name, self.parameter), value, allowed))
+        Err(Refusal::new(format!("{}, {}", facts.name, facts.parameter), parameter, allowed))
     }
-}
 
-/// An explicit scheme with the contact in its internal force.
-pub trait ExplicitScheme: Debug + Send + Sync {
     /// What is known of it.
-    fn facts(&self) -> ExplicitFacts;
+    pub fn facts(&self) -> &'static ExplicitFacts {
+        self.facts
+    }
 
     /// Its parameter.
-    fn parameter(&self) -> f64;
+    pub fn parameter(&self) -> f64 {
+        self.parameter
+    }
 
-    /// 4/Omega^2: the limit is 4/dt^2 = factor omega_max^2. At most 7 unit roundoffs off.
-    fn factor(&self) -> f64;
+    /// 4/Omega^2: the limit is 4/dt^2 = factor omega_max^2.
+    fn factor(&self) -> f64 {
+        (self.facts.factor)(self.parameter)
+    }
 
-    /// One step of an undamped mode with (omega dt)^2 = w, as the scheme defines it: the state (u, dt v) or (u, dt v, dt^2 a)
-    /// after the step.
-    fn step(&self, w: f64, state: &[f64]) -> Vec<f64>;
-
-    /// Numbers in a state.
-    fn states(&self) -> usize;
+    /// One step of an undamped mode, see [`ExplicitFacts::step`].
+    pub fn step(&self, w: f64, state: &[f64]) -> Vec<f64> {
+        (self.facts.step)(self.parameter, w, state)
+    }
 
     /// Omega, the largest stable omega dt, rad.
-    fn largest(&self) -> f64 {
+    pub fn largest(&self) -> f64 {
         2.0 / self.factor().sqrt()
     }
 
     /// The amplification matrix at (omega dt)^2 = w by rows.
-    fn amplification(&self, w: f64) -> Vec<Vec<f64>> {
-        let n = self.states();
+    pub fn amplification(&self, w: f64) -> Vec<Vec<f64>> {
+        let n = self.facts.states;
         let unit = |j: usize| (0..n).map(|i| f64::from(u8::from(i == j))).collect::<Vec<_>>();
         let columns: Vec<Vec<f64>> = (0..n).map(|j| self.step(w, &unit(j))).collect();
         (0..n).map(|i| columns.iter().map(|column| column[i]).collect()).collect()
     }
 
     /// The limit of closed contacts, from an engine of their spectrum.
-    fn limit<'a>(&self, spectrum: Box<dyn Engine + 'a>) -> OfSpectrum<'a> {
+    pub fn limit<'a>(&self, spectrum: Box<dyn Engine + 'a>) -> OfSpectrum<'a> {
         let factor = self.factor();
         OfSpectrum { spectrum, of: Box::new(move |l| factor * l) }
     }

@@ -1,21 +1,20 @@
 //! The schemes by the names that users type.
 
 use std::str::FromStr;
-use std::sync::Arc;
 
-use super::{ChungLee, ExplicitFacts, ExplicitScheme, GeneralisedAlpha, NohBathe, TchamwaWielgosz};
+use super::{ExplicitFacts, ExplicitScheme, chung_lee, generalised_alpha, noh_bathe, tchamwa_wielgosz};
 use crate::error::Refusal;
 
 /// An explicit scheme with the contact in its internal force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExplicitName {
-    /// [`NohBathe`].
+    /// The scheme of Noh and Bathe, two forces a step.
     NohBathe,
-    /// [`ChungLee`].
+    /// The scheme of Chung and Lee; beta = 1 does not damp.
     ChungLee,
-    /// [`TchamwaWielgosz`].
+    /// The scheme of Tchamwa and Wielgosz; phi = 1 does not damp.
     TchamwaWielgosz,
-    /// [`GeneralisedAlpha`].
+    /// The explicit generalised-alpha scheme of Hulbert and Chung, without damping.
     GeneralisedAlpha,
 }
 
@@ -25,12 +24,12 @@ impl ExplicitName {
         [Self::NohBathe, Self::ChungLee, Self::TchamwaWielgosz, Self::GeneralisedAlpha];
 
     /// What is known of it.
-    pub fn facts(self) -> ExplicitFacts {
+    pub fn facts(self) -> &'static ExplicitFacts {
         match self {
-            Self::NohBathe => NohBathe::FACTS,
-            Self::ChungLee => ChungLee::FACTS,
-            Self::TchamwaWielgosz => TchamwaWielgosz::FACTS,
-            Self::GeneralisedAlpha => GeneralisedAlpha::FACTS,
+            Self::NohBathe => &noh_bathe::FACTS,
+            Self::ChungLee => &chung_lee::FACTS,
+            Self::TchamwaWielgosz => &tchamwa_wielgosz::FACTS,
+            Self::GeneralisedAlpha => &generalised_alpha::FACTS,
         }
     }
 
@@ -43,14 +42,8 @@ impl ExplicitName {
     ///
     /// # Errors
     /// A parameter for which the limit is not proven.
-    pub fn with(self, parameter: Option<f64>) -> Result<Arc<dyn ExplicitScheme>, Refusal> {
-        let value = parameter.unwrap_or(self.facts().usual);
-        Ok(match self {
-            Self::NohBathe => Arc::new(NohBathe::new(value)?),
-            Self::ChungLee => Arc::new(ChungLee::new(value)?),
-            Self::TchamwaWielgosz => Arc::new(TchamwaWielgosz::new(value)?),
-            Self::GeneralisedAlpha => Arc::new(GeneralisedAlpha::new(value)?),
-        })
+    pub fn with(self, parameter: Option<f64>) -> Result<ExplicitScheme, Refusal> {
+        ExplicitScheme::new(self.facts(), parameter.unwrap_or(self.facts().usual))
     }
 }
 

@@ -17,66 +17,36 @@
 //! instability at -1 below Omega. D >= -1 up to Omega since 2 (2p - 1) <= (3p - 1)^2. At p = 1/2 the sub-steps are those of central
 //! differences, Omega = 4; the least Omega is 2 sqrt(3) = 3.46, at p = 2/3.
 
-use super::{ExplicitFacts, ExplicitScheme};
-use crate::error::Refusal;
+use super::ExplicitFacts;
 
-/// The explicit scheme of Noh and Bathe.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NohBathe {
-    p: f64,
-}
+/// The explicit scheme of Noh and Bathe with the first sub-step p dt. Below 1/2 it grows at every step; above 3/4 it is
+/// unstable in an interval below its limit.
+pub(super) static FACTS: ExplicitFacts = ExplicitFacts {
+    name: "noh-bathe",
+    title: "Noh-Bathe",
+    parameter: "p",
+    usual: 0.54,
+    allowed: (0.5, 0.75),
+    evaluations: 2,
+    order: 2,
+    formula: "2/sqrt((3p - 1)(1 - p))",
+    source: "Noh, Bathe, Comput. Struct. 129 (2013)",
+    factor: |p| (3.0 * p - 1.0) * (1.0 - p),
+    states: 2,
+    step,
+};
 
-impl NohBathe {
-    pub(super) const FACTS: ExplicitFacts = ExplicitFacts {
-        name: "noh-bathe",
-        title: "Noh-Bathe",
-        parameter: "p",
-        usual: 0.54,
-        allowed: (0.5, 0.75),
-        evaluations: 2,
-        order: 2,
-        formula: "2/sqrt((3p - 1)(1 - p))",
-        source: "Noh, Bathe, Comput. Struct. 129 (2013)",
-    };
-
-    /// With the first sub-step p dt.
-    ///
-    /// # Errors
-    /// p below 1/2, which grows at every step, and above 3/4, which is unstable in an interval below its limit.
-    pub fn new(p: f64) -> Result<Self, Refusal> {
-        Ok(Self { p: Self::FACTS.accept(p)? })
-    }
-}
-
-impl ExplicitScheme for NohBathe {
-    fn facts(&self) -> ExplicitFacts {
-        Self::FACTS
-    }
-
-    fn parameter(&self) -> f64 {
-        self.p
-    }
-
-    fn factor(&self) -> f64 {
-        (3.0 * self.p - 1.0) * (1.0 - self.p)
-    }
-
-    fn states(&self) -> usize {
-        2
-    }
-
-    fn step(&self, w: f64, state: &[f64]) -> Vec<f64> {
-        let (p, s) = (self.p, 1.0 - self.p);
-        let q1 = (1.0 - 2.0 * p) / (2.0 * p * s);
-        let q2 = 0.5 - p * q1;
-        let q0 = 0.5 - q1 - q2;
-        let (u, v) = (state[0], state[1]);
-        let a = -w * u;
-        let u_p = u + p * v + 0.5 * p * p * a;
-        let a_p = -w * u_p;
-        let v_p = v + 0.5 * p * (a + a_p);
-        let u_end = u_p + s * v_p + 0.5 * s * s * a_p;
-        let a_end = -w * u_end;
-        vec![u_end, v_p + s * (q0 * a + (0.5 + q1) * a_p + q2 * a_end)]
-    }
+fn step(p: f64, w: f64, state: &[f64]) -> Vec<f64> {
+    let s = 1.0 - p;
+    let q1 = (1.0 - 2.0 * p) / (2.0 * p * s);
+    let q2 = 0.5 - p * q1;
+    let q0 = 0.5 - q1 - q2;
+    let (u, v) = (state[0], state[1]);
+    let a = -w * u;
+    let u_p = u + p * v + 0.5 * p * p * a;
+    let a_p = -w * u_p;
+    let v_p = v + 0.5 * p * (a + a_p);
+    let u_end = u_p + s * v_p + 0.5 * s * s * a_p;
+    let a_end = -w * u_end;
+    vec![u_end, v_p + s * (q0 * a + (0.5 + q1) * a_p + q2 * a_end)]
 }

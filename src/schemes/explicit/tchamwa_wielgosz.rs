@@ -7,57 +7,27 @@
 //! to Omega = 2/sqrt(2 phi - 1), where the multiplier is -1, as D >= -1 there: 2 (phi - 1) <= 2 phi - 1. That holds for every
 //! phi >= 1; above phi = 2, where Omega is 1.15, nobody takes it.
 
-use super::{ExplicitFacts, ExplicitScheme};
-use crate::error::Refusal;
+use super::ExplicitFacts;
 
-/// The explicit scheme of Tchamwa and Wielgosz.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TchamwaWielgosz {
-    phi: f64,
-}
+/// The explicit scheme of Tchamwa and Wielgosz with the parameter phi, which damps: phi = 1 does not. Below 1 it grows at
+/// every step.
+pub(super) static FACTS: ExplicitFacts = ExplicitFacts {
+    name: "tchamwa-wielgosz",
+    title: "Tchamwa-Wielgosz",
+    parameter: "phi",
+    usual: 1.033,
+    allowed: (1.0, 2.0),
+    evaluations: 1,
+    order: 1,
+    formula: "2/sqrt(2 phi - 1)",
+    source: "Maheo, Grolleau, Rio, Comptes Rendus Mecanique 337 (2009)",
+    factor: |phi| 2.0 * phi - 1.0,
+    states: 2,
+    step,
+};
 
-impl TchamwaWielgosz {
-    pub(super) const FACTS: ExplicitFacts = ExplicitFacts {
-        name: "tchamwa-wielgosz",
-        title: "Tchamwa-Wielgosz",
-        parameter: "phi",
-        usual: 1.033,
-        allowed: (1.0, 2.0),
-        evaluations: 1,
-        order: 1,
-        formula: "2/sqrt(2 phi - 1)",
-        source: "Maheo, Grolleau, Rio, Comptes Rendus Mecanique 337 (2009)",
-    };
-
-    /// With the parameter phi, which damps: phi = 1 does not.
-    ///
-    /// # Errors
-    /// phi below 1, which grows at every step, and above 2.
-    pub fn new(phi: f64) -> Result<Self, Refusal> {
-        Ok(Self { phi: Self::FACTS.accept(phi)? })
-    }
-}
-
-impl ExplicitScheme for TchamwaWielgosz {
-    fn facts(&self) -> ExplicitFacts {
-        Self::FACTS
-    }
-
-    fn parameter(&self) -> f64 {
-        self.phi
-    }
-
-    fn factor(&self) -> f64 {
-        2.0 * self.phi - 1.0
-    }
-
-    fn states(&self) -> usize {
-        2
-    }
-
-    fn step(&self, w: f64, state: &[f64]) -> Vec<f64> {
-        let (u, v) = (state[0], state[1]);
-        let a = -w * u;
-        vec![u + v + self.phi * a, v + a]
-    }
+fn step(phi: f64, w: f64, state: &[f64]) -> Vec<f64> {
+    let (u, v) = (state[0], state[1]);
+    let a = -w * u;
+    vec![u + v + phi * a, v + a]
 }

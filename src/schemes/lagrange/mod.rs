@@ -10,43 +10,36 @@
 //! any mass matrix and any sequence of openings, since each contact adds lambda_n (g_{n-1} - g_{n+1})/2 = lambda_n g_{n-1}/2 <= 0.
 //! The scheme of Paoli and Schatzman with the restitution 0 is the same one.
 
-use super::impulses::{Buffer, ForwardIncrement, Steps};
-use super::rigid::ContactFree;
-use super::{ContactSearch, Facts, Motion, Onset, Scheme, System};
-use crate::error::Refusal;
-use crate::pencil::Pencil;
-use crate::spectrum::{Engine, StepLimit};
+use super::impulses::{Landing, Law};
+use super::rigid::RigidLaw;
+use super::{CentralDifference, Facts};
 
 /// Central differences with Lagrange multipliers by forward increments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Lagrange;
 
-impl Scheme for Lagrange {
+/// The gap is closed at the end of the step, not opened. A contact that was penetrated a step ago, which a start may do, is
+/// only thrown back as fast as it came, y = -x.
+impl Law for Lagrange {
+    fn landing(&self, gap: f64, rate: f64, dt: f64) -> Option<Landing> {
+        let was_open = gap - dt * rate <= 4.0 * f64::EPSILON * (gap.abs() + dt * rate.abs());
+        Some(match was_open {
+            true => Landing { rate: -gap / dt, gap: 0.0 },
+            false => Landing { rate: -rate, gap: gap - dt * rate },
+        })
+    }
+}
+
+impl RigidLaw for Lagrange {
     fn facts(&self) -> Facts {
         Facts {
             name: "lagrange",
             title: "Lagrange, forward increments",
-            solves: 1,
-            order: 2,
-            search: ContactSearch::StartOfStep,
-            onset: Onset::SquareRoot,
             gains_nothing: true,
             reaction: "0 <= lambda perpendicular to g_{n+1} <= 0",
             closed_limit: "2/omega_max of (K, M) or more",
             source: "Carpenter, Taylor, Katona 1991",
+            ..CentralDifference::FACTS
         }
-    }
-
-    fn start(&self, system: System<'_>, u: Vec<f64>, v: Vec<f64>) -> Result<Box<dyn Motion>, Refusal> {
-        let buffers = vec![Buffer::RIGID; system.pencil.gaps().len()];
-        Ok(Box::new(Steps::start(ForwardIncrement, buffers, &system, u, v)?))
-    }
-
-    fn limit<'a>(
-        &self,
-        _pencil: &'a Pencil,
-        spectrum: Box<dyn Engine + 'a>,
-    ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
-        Ok(Box::new(ContactFree(spectrum)))
     }
 }

@@ -21,7 +21,7 @@ mod motion;
 use motion::Steps;
 
 use super::rigid::ContactFree;
-use super::{ContactSearch, Facts, Motion, Onset, Scheme, System};
+use super::{CentralDifference, Facts, Motion, Scheme, System};
 use crate::error::Refusal;
 use crate::pencil::Pencil;
 use crate::spectrum::{Engine, StepLimit};
@@ -35,14 +35,11 @@ impl Scheme for MassRedistribution {
         Facts {
             name: "mass-redistribution",
             title: "mass redistribution",
-            solves: 1,
-            order: 2,
-            search: ContactSearch::StartOfStep,
-            onset: Onset::SquareRoot,
             gains_nothing: false,
             reaction: "0 <= lambda perpendicular to g_n <= 0, in balance with the springs of the node",
             closed_limit: "2/omega_max of (K, M) or more",
             source: "Khenous, Laborde, Renard 2008; Doyen, Ern, Piperno 2011",
+            ..CentralDifference::FACTS
         }
     }
 

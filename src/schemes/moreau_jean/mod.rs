@@ -12,12 +12,10 @@
 //! *Energy.* A step adds -dt lambda (x + y)/2 = -dt lambda x (1 - e)/2: an impact, x >= 0, gains nothing. A contact that was
 //! about to open, x < 0, and is pressed back within the step may gain: not proven, and seen (`tests/impacts`).
 
-use super::impulses::{Buffer, Landing, Law, Steps};
-use super::rigid::{ContactFree, Restitution};
-use super::{ContactSearch, Facts, Motion, Onset, Scheme, System};
+use super::impulses::{Landing, Law};
+use super::rigid::{Restitution, RigidLaw};
+use super::{CentralDifference, Facts};
 use crate::error::Refusal;
-use crate::pencil::Pencil;
-use crate::spectrum::{Engine, StepLimit};
 
 /// Central differences with impacts of velocities.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,32 +43,16 @@ impl Law for MoreauJean {
     }
 }
 
-impl Scheme for MoreauJean {
+impl RigidLaw for MoreauJean {
     fn facts(&self) -> Facts {
         Facts {
             name: "moreau-jean",
             title: "Moreau-Jean",
-            solves: 1,
-            order: 2,
-            search: ContactSearch::StartOfStep,
-            onset: Onset::SquareRoot,
             gains_nothing: false,
             reaction: "0 <= lambda perpendicular to Z'(v_{n+1/2} + e v_{n-1/2}) <= 0 where g_n >= 0",
             closed_limit: "2/omega_max of (K, M) or more",
             source: "Moreau 1988; Jean 1999; Fekak, Brun, Gravouil, Depale 2017",
+            ..CentralDifference::FACTS
         }
-    }
-
-    fn start(&self, system: System<'_>, u: Vec<f64>, v: Vec<f64>) -> Result<Box<dyn Motion>, Refusal> {
-        let buffers = vec![Buffer::RIGID; system.pencil.gaps().len()];
-        Ok(Box::new(Steps::start(*self, buffers, &system, u, v)?))
-    }
-
-    fn limit<'a>(
-        &self,
-        _pencil: &'a Pencil,
-        spectrum: Box<dyn Engine + 'a>,
-    ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
-        Ok(Box::new(ContactFree(spectrum)))
     }
 }

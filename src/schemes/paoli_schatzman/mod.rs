@@ -9,12 +9,10 @@
 //! *Energy.* A step adds lambda (g_{n-1} - g_{n+1})/2 = (1 + e) lambda g_{n-1}/2, which is a loss as long as g_{n-1} <= 0. For
 //! e > 0 the gap after an impact is -e g_{n-1} >= 0, so that the step after the next one may gain what was lost: not proven.
 
-use super::impulses::{Buffer, Landing, Law, Steps};
-use super::rigid::{ContactFree, Restitution};
-use super::{ContactSearch, Facts, Motion, Onset, Scheme, System};
+use super::impulses::{Landing, Law};
+use super::rigid::{Restitution, RigidLaw};
+use super::{CentralDifference, Facts};
 use crate::error::Refusal;
-use crate::pencil::Pencil;
-use crate::spectrum::{Engine, StepLimit};
 
 /// The scheme of Paoli and Schatzman.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,32 +40,16 @@ impl Law for PaoliSchatzman {
     }
 }
 
-impl Scheme for PaoliSchatzman {
+impl RigidLaw for PaoliSchatzman {
     fn facts(&self) -> Facts {
         Facts {
             name: "paoli-schatzman",
             title: "Paoli-Schatzman",
-            solves: 1,
-            order: 2,
-            search: ContactSearch::StartOfStep,
-            onset: Onset::SquareRoot,
             gains_nothing: self.restitution == Restitution::NONE,
             reaction: "0 <= lambda perpendicular to g_{n+1} + e g_{n-1} <= 0",
             closed_limit: "2/omega_max of (K, M) or more",
             source: "Paoli, Schatzman 1993, 2002",
+            ..CentralDifference::FACTS
         }
-    }
-
-    fn start(&self, system: System<'_>, u: Vec<f64>, v: Vec<f64>) -> Result<Box<dyn Motion>, Refusal> {
-        let buffers = vec![Buffer::RIGID; system.pencil.gaps().len()];
-        Ok(Box::new(Steps::start(*self, buffers, &system, u, v)?))
-    }
-
-    fn limit<'a>(
-        &self,
-        _pencil: &'a Pencil,
-        spectrum: Box<dyn Engine + 'a>,
-    ) -> Result<Box<dyn StepLimit + 'a>, Refusal> {
-        Ok(Box::new(ContactFree(spectrum)))
     }
 }

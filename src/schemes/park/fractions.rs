@@ -17,7 +17,7 @@ use crate::double_double::Real;
 /// At z = -1 w takes 5 roundings, q at most 16, e and the poles 24. There e = w/q and q <= 0.6, so that e - w is
 /// less than 2.5 times as inexact as e: the fractions take fewer than [`Fractions::ROUNDINGS`].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Fractions<T> {
+pub struct Fractions<T> {
     /// The pole above the spectrum over l_n.
     pub above: T,
     /// Minus the pole below zero over l_n; `None` without pullback.
@@ -40,10 +40,10 @@ pub(super) fn coefficients<T: Real>(theta: f64, alpha: f64, growth: f64) -> (T, 
 
 impl<T: Real> Fractions<T> {
     /// More than any of the fractions and poles takes.
-    pub const ROUNDINGS: f64 = 128.0;
+    pub(super) const ROUNDINGS: f64 = 128.0;
 
     /// For the multiplier -1 - `growth`.
-    pub fn new(theta: f64, alpha: f64, growth: f64) -> Self {
+    pub(super) fn new(theta: f64, alpha: f64, growth: f64) -> Self {
         let (w, [a, b, c0, c1]) = coefficients::<T>(theta, alpha, growth);
         let half = c1 / T::from(2.0);
         let q = half + hypotenuse(half, (b * c0).sqrt());

@@ -5,10 +5,12 @@ mod limit;
 mod motion;
 mod sign;
 
+pub use fractions::Fractions;
 use limit::ParkLimit;
 use motion::Steps;
 
 use super::{ContactSearch, Facts, Motion, Onset, Scheme, System};
+use crate::double_double::Dd;
 use crate::error::Refusal;
 use crate::pencil::Pencil;
 use crate::spectrum::{Engine, StepLimit};
@@ -35,6 +37,16 @@ impl Park {
         }
     }
 
+    /// The flexibility W of closed contacts at the step alpha dt_c, 0 < alpha < 1, by its partial fractions:
+    ///
+    /// ```text
+    /// W = gain Z'(above l_c M - K)^-1 Z - loss Z'(below l_c M + K)^-1 Z      dt_c = 2/l_c^(1/2)
+    /// ```
+    /// The scheme is stable exactly when 1/s Y^-1 + G/(r omega^2) - W is semidefinite; each form of W is convex in alpha.
+    pub fn fractions(self, alpha: f64) -> Fractions<Dd> {
+        Fractions::new(self.theta, alpha, 0.0)
+    }
+
     /// theta, dimensionless.
     pub fn theta(self) -> f64 {
         self.theta
@@ -59,6 +71,10 @@ impl Scheme for Park {
 
     fn start(&self, system: System<'_>, u: Vec<f64>, v: Vec<f64>) -> Result<Box<dyn Motion>, Refusal> {
         Ok(Box::new(Steps::start(*self, &system, u, v)?))
+    }
+
+    fn as_park(&self) -> Option<Park> {
+        Some(*self)
     }
 
     fn limit<'a>(

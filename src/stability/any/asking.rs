@@ -19,7 +19,7 @@ pub enum LimitOf {
     /// Central differences damped by C, the velocity half a step behind.
     Damped(Damping),
     /// Another explicit scheme, the contact in its internal force: the step of the spectrum times a number.
-    Explicit(Arc<dyn ExplicitScheme>),
+    Explicit(ExplicitScheme),
 }
 
 impl LimitOf {
@@ -162,6 +162,8 @@ pub struct Plan {
     pub eigenproblems: usize,
     /// About how many bounds are proven.
     pub proofs: usize,
+    /// About how many flexibilities of all contacts are computed; 0 where the limit takes none.
+    pub flexibilities: usize,
     /// Bytes that it takes at most: the matrices, the vectors and one factor; `None` where nothing is assembled.
     pub memory: Option<u64>,
 }

@@ -27,7 +27,10 @@ impl MeshModel {
         let Found { steps, engine, error } = match (&asking.limit, asking.limit.scheme()) {
             (LimitOf::Damped(damping), _) => self.damped(grid, asking, reference, *damping)?,
             (_, None) => self.spectrum(grid, asking, reference)?,
-            (_, Some(_)) => self.predictor_corrector(grid, asking, reference)?,
+            (_, Some(scheme)) => match scheme.as_park() {
+                Some(park) => self.park(grid, asking, reference, park)?,
+                None => self.predictor_corrector(grid, asking, reference)?,
+            },
         };
         let mut steps = steps.into_iter();
         let mut curve = |ratio: &Ratio| {
@@ -109,7 +112,7 @@ impl MeshModel {
 }
 
 /// The points of a grid, ratio by ratio.
-fn pairs(grid: &Grid) -> impl Iterator<Item = (Ratio, StiffnessPenalty)> + '_ {
+pub(super) fn pairs(grid: &Grid) -> impl Iterator<Item = (Ratio, StiffnessPenalty)> + '_ {
     grid.ratios.iter().flat_map(|r| grid.stiffness_penalties.iter().map(move |b| (*r, *b)))
 }
 
@@ -126,11 +129,11 @@ fn bound(curve: &Curve, free: Enclosure, reference: f64, ratio: f64, beta_s: f64
 }
 
 /// Limits, ratio by ratio.
-struct Found {
-    steps: Vec<Result<Step, Uncertified>>,
-    engine: &'static str,
+pub(super) struct Found {
+    pub steps: Vec<Result<Step, Uncertified>>,
+    pub engine: &'static str,
     /// How far the reference may lie above its number, relative.
-    error: f64,
+    pub error: f64,
 }
 
 /// What was found, if it is as narrow as asked; of patches and chance any bound is good where nothing was asked.

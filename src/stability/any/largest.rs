@@ -9,6 +9,7 @@
 
 use super::asking::{Asking, LimitOf};
 use super::mesh::MeshModel;
+use super::park::Fixed;
 use super::transformed::shortened;
 use super::{AnyModel, with_limit};
 use crate::convex::{Asked, Enclosed, Passing};
@@ -32,12 +33,12 @@ pub struct Largest {
 
 impl Largest {
     /// Any will do.
-    const ANY: Self = Self { value: f64::INFINITY, lower: f64::INFINITY, upper: f64::INFINITY };
+    pub(super) const ANY: Self = Self { value: f64::INFINITY, lower: f64::INFINITY, upper: f64::INFINITY };
 }
 
 /// l = 4/dt^2 rounds twice, the step of another explicit scheme or a damped one up to 12 times (relative to l), and what is
 /// compared with it a few times more.
-const MARGIN: f64 = 12.0 * f64::EPSILON;
+pub(super) const MARGIN: f64 = 12.0 * f64::EPSILON;
 
 /// l = 4/dt^2, rad^2/s^2, of a step dt, s: central differences stand the step as long as l_max <= l.
 ///
@@ -64,13 +65,16 @@ impl AnyModel {
                 return self.largest_damped_penalty(*damping, time_step, ratio, asking);
             }
             LimitOf::Explicit(scheme) => {
-                return self.largest_penalty(shortened(time_step, &**scheme), ratio, &asking.of_spectrum());
+                return self.largest_penalty(shortened(time_step, scheme), ratio, &asking.of_spectrum());
             }
             LimitOf::Spectrum | LimitOf::Scheme(_) => (),
         }
         let (l, ratio) = (eigenvalue(time_step)?, Ratio::new(ratio)?);
         match self {
-            Self::Mesh(model) => model.largest(l, asking, |given| given.penalty(ratio.get())),
+            Self::Mesh(model) => match asking.limit.scheme().and_then(|scheme| scheme.as_park()) {
+                Some(park) => model.largest_of_park(l, asking, park, Fixed::Ratio(ratio.get())),
+                None => model.largest(l, asking, |given| given.penalty(ratio.get())),
+            },
             Self::Bars(model) => {
                 let penalty = |b: f64| Some((StiffnessPenalty::new(b).ok()?, ratio));
                 // Of the spectrum r <= x: no penalty raises l_max above l (mediant inequality). Of the predictor-corrector
@@ -98,13 +102,16 @@ impl AnyModel {
                 return self.largest_damped_ratio(*damping, time_step, beta_s, asking);
             }
             LimitOf::Explicit(scheme) => {
-                return self.largest_ratio(shortened(time_step, &**scheme), beta_s, &asking.of_spectrum());
+                return self.largest_ratio(shortened(time_step, scheme), beta_s, &asking.of_spectrum());
             }
             LimitOf::Spectrum | LimitOf::Scheme(_) => (),
         }
         let (l, beta_s) = (eigenvalue(time_step)?, StiffnessPenalty::new(beta_s)?);
         match self {
-            Self::Mesh(model) => model.largest(l, asking, |given| given.ratio(beta_s.get())),
+            Self::Mesh(model) => match asking.limit.scheme().and_then(|scheme| scheme.as_park()) {
+                Some(park) => model.largest_of_park(l, asking, park, Fixed::Penalty(beta_s.get())),
+                None => model.largest(l, asking, |given| given.ratio(beta_s.get())),
+            },
             Self::Bars(model) => {
                 let penalty = |r: f64| Some((beta_s, Ratio::new(r).ok()?));
                 largest_of_bars(model, l, asking, false, penalty)
@@ -277,6 +284,6 @@ impl Given {
 }
 
 /// Of a limit that is known from below only.
-fn at_most(lower: f64) -> Largest {
+pub(super) fn at_most(lower: f64) -> Largest {
     Largest { value: lower, lower, upper: f64::INFINITY }
 }

@@ -3,14 +3,14 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::asking::{Asking, LimitOf, Plan};
-use crate::convex::{self, Curve, MeshPencil, Options, Start};
+use crate::convex::{self, Curve, Flexibilities, MeshPencil, Options, Start};
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
 use crate::matrices::{Matrices, Reference};
 use crate::memory;
 use crate::mesh::{Elements, MeshScene, Place};
 use crate::pencil::{Gap, Matrix};
-use crate::schemes::SchemeName;
+use crate::schemes::{Park, SchemeName};
 use crate::sparse::{Csr, SparseVector};
 use crate::stability::{EngineName, Grid, model};
 
@@ -33,6 +33,8 @@ pub struct MeshModel {
     given: Option<f64>,
     pub(super) meshed: Option<Meshed>,
     known: Mutex<Known>,
+    /// The flexibilities of the last scheme that was asked for.
+    pub(super) flexibilities: Mutex<Option<(Park, Flexibilities)>>,
 }
 
 /// What the prover of a curve depends on.
@@ -98,7 +100,15 @@ impl MeshModel {
         given: Option<f64>,
         meshed: Option<Meshed>,
     ) -> Self {
-        Self { name: name.to_owned(), mass, pencil, given, meshed, known: Mutex::default() }
+        Self {
+            name: name.to_owned(),
+            mass,
+            pencil,
+            given,
+            meshed,
+            known: Mutex::default(),
+            flexibilities: Mutex::default(),
+        }
     }
 
     /// The name of the scene.
@@ -184,14 +194,17 @@ impl MeshModel {
                 "none, or a scene of [[body]]: patches are made of elements",
             ));
         }
-        match asking.limit.scheme().map(|scheme| scheme.facts().name) {
-            Some(name) if name != SchemeName::PredictorCorrector.name() => {
-                let value = format!("{name} with scene {}", self.name);
-                let allowed = "spectrum, central-difference or predictor-corrector; or a scene of [[bar]]";
-                Err(Refusal::new("limit", value, allowed))
-            }
-            _ => Ok(()),
+        let Some(scheme) = asking.limit.scheme() else { return Ok(()) };
+        let name = scheme.facts().name;
+        if scheme.as_park().is_some() {
+            return self.check_park();
         }
+        if name == SchemeName::PredictorCorrector.name() {
+            return Ok(());
+        }
+        let value = format!("{name} with scene {}", self.name);
+        let allowed = "spectrum, central-difference, predictor-corrector or park; or a scene of [[bar]]";
+        Err(Refusal::new("limit", value, allowed))
     }
 
     pub(super) fn check_grid(&self, grid: &Grid) -> Result<(), Refusal> {
@@ -258,6 +271,9 @@ impl MeshModel {
         let scheme = matches!(&asking.limit, LimitOf::Scheme(_)) && asking.limit.scheme().is_some();
         let (eigenproblems, proofs) =
             if scheme { (2, 2) } else { (several(4.0 - 1.5 * width.log10()), several(0.75 / width.sqrt())) };
+        // Chords between flexibilities err as those between proofs do; a point takes some ten.
+        let park = asking.limit.scheme().is_some_and(|scheme| scheme.as_park().is_some());
+        let flexibilities = if park { ((2.5 / width.sqrt()) as usize).min(12 * points) } else { 0 };
         Ok(Plan {
             unknowns: self.pencil.size(),
             contacts,
@@ -269,6 +285,7 @@ impl MeshModel {
             prover: Some(named),
             eigenproblems,
             proofs,
+            flexibilities,
         })
     }
 

@@ -6,6 +6,7 @@ mod governing;
 mod largest;
 mod mesh;
 mod optimal;
+mod park;
 mod prover;
 mod scene;
 mod stepping;
@@ -16,6 +17,8 @@ pub use governing::{ContactShare, Governing};
 pub use largest::{Largest, eigenvalue};
 pub use mesh::MeshModel;
 pub use scene::AnyScene;
+
+use std::cell::OnceCell;
 
 use super::{Curve, EngineName, Grid, MapPoint, Model, map};
 use crate::damping::DampedLimit;
@@ -215,6 +218,7 @@ impl AnyModel {
                     prover: None,
                     eigenproblems: points,
                     proofs: points,
+                    flexibilities: 0,
                     memory: needs_pencil.then(|| pencil_bytes(model.scene())),
                 })
             }
@@ -234,7 +238,7 @@ impl AnyModel {
         self.check(asking)?;
         self.check_grid(grid)?;
         if let LimitOf::Explicit(scheme) = &asking.limit {
-            return Ok(transformed::lengthened(self.map(grid, &asking.of_spectrum(), done)?, &**scheme));
+            return Ok(transformed::lengthened(self.map(grid, &asking.of_spectrum(), done)?, scheme));
         }
         match self {
             Self::Bars(model) => with_limit(model, asking, |limit| Ok(map(model, grid, limit, done))),
@@ -296,16 +300,17 @@ pub fn with_limit<R>(
         let pencil = model.pencil();
         return use_it(&*model.limit(scheme, &pencil)?);
     }
-    let needs_pencil = asking.engine.needs_pencil() || matches!(asking.limit, LimitOf::Damped(_));
-    let pencil = needs_pencil.then(|| model.pencil());
-    let engine: Box<dyn Engine> = match (asking.engine, &pencil) {
-        (EngineName::ClosedForm, _) => Box::new(model.closed_form()),
-        (engine, Some(pencil)) if engine.needs_pencil() => model.engine(engine, pencil)?,
-        _ => Box::new(model.auto()),
+    // Assembled where it is needed: it has the size of the mesh.
+    let assembled = OnceCell::new();
+    let pencil = || assembled.get_or_init(|| model.pencil());
+    let engine: Box<dyn Engine> = match asking.engine {
+        EngineName::Auto => Box::new(model.auto()),
+        EngineName::ClosedForm => Box::new(model.closed_form()),
+        other => model.engine(other, pencil())?,
     };
-    match (&asking.limit, &pencil) {
-        (LimitOf::Explicit(scheme), _) => use_it(&scheme.limit(engine)),
-        (LimitOf::Damped(damping), Some(pencil)) => use_it(&DampedLimit::new(pencil, engine, *damping)),
-        _ => use_it(&Spectrum(engine)),
+    match &asking.limit {
+        LimitOf::Explicit(scheme) => use_it(&scheme.limit(engine)),
+        LimitOf::Damped(damping) => use_it(&DampedLimit::new(pencil(), engine, *damping)),
+        LimitOf::Spectrum | LimitOf::Scheme(_) => use_it(&Spectrum(engine)),
     }
 }

@@ -49,7 +49,7 @@ impl AnyModel {
                 spectrum = asking.of_spectrum();
                 &spectrum
             }
-            _ => asking,
+            LimitOf::Spectrum | LimitOf::Scheme(_) | LimitOf::Damped(_) => asking,
         };
         // A closed contact changes what damping takes: the mediant inequality proves nothing there.
         if matches!(asking.limit, LimitOf::Damped(_)) {
@@ -139,6 +139,10 @@ impl MeshModel {
         if b == 0.0 || self.pencil().contacts().is_empty() {
             return Ok(None);
         }
+        if let Some(park) = asking.limit.scheme().and_then(|scheme| scheme.as_park()) {
+            let upper = self.costly_ratio_of_park(asking, park, b)?;
+            return Ok(upper.and_then(|upper| ratio(0.0, 0.0, upper)));
+        }
         let error = self.with_curve(asking, |curve| Ok(self.reference_error(curve)))?;
         let down = 1.0 - 8.0 * f64::EPSILON - error;
         if asking.limit.scheme().is_some() {
@@ -164,6 +168,10 @@ impl MeshModel {
         if asking.limit.scheme().is_none() {
             return Ok(Some(free.lower / reference));
         }
+        // The flexibility grows without bound at dt_c: each ratio costs.
+        if asking.limit.scheme().is_some_and(|scheme| scheme.as_park().is_some()) {
+            return Ok((beta_s > 0.0).then_some(0.0));
+        }
         let mu = self.with_curve(asking, |curve| Ok(curve.upper().slope()))?;
         let left = 4.0 / free.lower - 1.0 / (beta_s * mu);
         Ok((left > 0.0).then(|| 1.0 / (reference * left)))
@@ -177,6 +185,14 @@ impl MeshModel {
         ratio: (f64, f64),
         asking: &Asking,
     ) -> Result<Vec<(f64, f64)>, Refusal> {
+        if asking.limit.scheme().is_some_and(|scheme| scheme.as_park().is_some()) {
+            let value = format!("park with scene {}, whose lines are not explicit", self.name());
+            return Err(Refusal::new(
+                "contour",
+                value,
+                "another limit, or lines between the points of a map",
+            ));
+        }
         let reference = self.reference()?;
         let x = 1.0 / (critical_courant * critical_courant);
         let l = reference * x;

@@ -13,7 +13,7 @@ use super::{AnyModel, Largest};
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The map of a scheme from that of the spectrum: Omega/2 times each step.
-pub(super) fn lengthened(mut curves: Vec<Curve>, scheme: &dyn ExplicitScheme) -> Vec<Curve> {
+pub(super) fn lengthened(mut curves: Vec<Curve>, scheme: &ExplicitScheme) -> Vec<Curve> {
     let longer = 0.5 * scheme.largest();
     let step = |found: CriticalStep| CriticalStep {
         critical_courant: found.critical_courant * longer,
@@ -27,7 +27,7 @@ pub(super) fn lengthened(mut curves: Vec<Curve>, scheme: &dyn ExplicitScheme) ->
 }
 
 /// The step that central differences must stand where `scheme` takes `time_step`, s.
-pub(super) fn shortened(time_step: f64, scheme: &dyn ExplicitScheme) -> f64 {
+pub(super) fn shortened(time_step: f64, scheme: &ExplicitScheme) -> f64 {
     time_step / (0.5 * scheme.largest())
 }
 
@@ -78,7 +78,7 @@ impl AnyModel {
         let undamped = asking.of_spectrum();
         match &asking.limit {
             LimitOf::Explicit(scheme) => {
-                self.contour(shortened(critical_courant, &**scheme), beta_s, ratio, &undamped)
+                self.contour(shortened(critical_courant, scheme), beta_s, ratio, &undamped)
             }
             LimitOf::Damped(damping) => {
                 let dt = self.time_step(critical_courant)?;

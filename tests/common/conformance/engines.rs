@@ -59,10 +59,6 @@ pub fn reference_scenes_over_the_penalties() -> Vec<Case> {
         .collect()
 }
 
-fn unit_bar(elements: usize) -> Bar {
-    Bar { length: elements as f64, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 }
-}
-
 /// Free, fixed and wall at either end of one to four bars; fewer penalties, thinned in turn.
 pub fn every_pair_of_ends() -> Vec<Case> {
     let ends = [End::Free, End::Fixed, End::Wall];
@@ -72,7 +68,7 @@ pub fn every_pair_of_ends() -> Vec<Case> {
         for bars in 1..=4 {
             for elements in ELEMENTS {
                 let row =
-                    (0..bars).map(|i| unit_bar(if i % 2 == 0 { elements } else { elements.div_ceil(2) }));
+                    (0..bars).map(|i| Bar::unit(if i % 2 == 0 { elements } else { elements.div_ceil(2) }));
                 // A single element between fixed ends has no node to move.
                 let Ok(scene) = Scene::new("row", left, row.collect(), right, None) else { continue };
                 let gamma = GAMMAS[random.below(GAMMAS.len())];

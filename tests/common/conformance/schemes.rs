@@ -13,13 +13,9 @@ use super::{as_mesh, place};
 
 const MASSES: [MassMatrix; 2] = [MassMatrix::LUMPED, MassMatrix::CONSISTENT];
 
-fn bar(elements: usize) -> Bar {
-    Bar { length: elements as f64, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 }
-}
-
 fn on_a_wall(elements: usize, mass: MassMatrix, distance: f64) -> Model {
     let impact = Impact { duration: 1.0, gaps: vec![distance], gravity: 0.0 };
-    let scene = Scene::new("wall", End::Free, vec![bar(elements)], End::Wall, Some(impact)).unwrap();
+    let scene = Scene::new("wall", End::Free, vec![Bar::unit(elements)], End::Wall, Some(impact)).unwrap();
     Model::new(scene, mass, PenaltyMass::Consistent)
 }
 
@@ -102,7 +98,8 @@ pub fn keeps_its_gaps(scheme: &dyn Scheme) {
 pub fn moves_alike(scheme: &dyn Scheme) {
     for mass in MASSES {
         let impact = Impact { duration: 1.0, gaps: vec![0.02, 0.0], gravity: 0.0 };
-        let scene = Scene::new("row", End::Free, vec![bar(3), bar(4)], End::Wall, Some(impact)).unwrap();
+        let scene =
+            Scene::new("row", End::Free, vec![Bar::unit(3), Bar::unit(4)], End::Wall, Some(impact)).unwrap();
         let model = Model::new(scene, mass, PenaltyMass::Consistent);
         let pencil = model.pencil();
         let (mesh, n, dt) = (as_mesh(&pencil), pencil.size(), 0.2 * critical_step(&model));

@@ -28,6 +28,7 @@ pub enum Seen {
 /// tool, option, all arguments, what must be seen.
 pub const USES: &[(&str, &str, &str, Seen)] = &[
     ("mesh-limits", "--quick", "rules --quick", All("study", "rules")),
+    ("impact-studies", "--quick", "penalty --quick", All("study", "penalty")),
     (
         "stability-map",
         "--elements",
@@ -227,6 +228,31 @@ pub const USES: &[(&str, &str, &str, Seen)] = &[
     ),
     ("scheme-limits", "--theta", "signorini --elements 2 --mass lumped --theta 0", Other(BAR)),
     (
+        "scheme-limits",
+        "--per-force",
+        "signorini --elements 2 --mass lumped --per-force --limit predictor-corrector,park --beta-s 0 --ratio 1",
+        Column("cost", &["1.0", "2.0"]),
+    ),
+    (
+        "scheme-limits",
+        "--limit",
+        "signorini --elements 2 --mass lumped --per-force --limit noh-bathe:0.5 --beta-s 0 --ratio 1",
+        Column("parameter", &["0.5"]),
+    ),
+    (
+        "scheme-limits",
+        "--beta-s",
+        "signorini --elements 2 --mass lumped --per-force --limit park --beta-s 1,2 --ratio 1",
+        Column("stiffness_penalty", &["1.0", "2.0"]),
+    ),
+    (
+        "scheme-limits",
+        "--ratio",
+        "signorini --elements 2 --mass lumped --per-force --limit park --beta-s 1 --ratio 1,inf",
+        Column("ratio", &["1.0", "inf"]),
+    ),
+    ("scheme-limits", "--from", "--from missing.csv", Refused("missing.csv")),
+    (
         "contact-impact",
         "--elements",
         "signorini --elements 3 --mass lumped --beta-s 1 --scheme park",
@@ -262,6 +288,26 @@ pub const USES: &[(&str, &str, &str, Seen)] = &[
         "--relative-courant",
         "signorini --elements 4 --mass lumped --beta-s 1 --scheme park --relative-courant 0.25",
         Column("steps", &["48"]),
+    ),
+    // T = 0.3 s.
+    (
+        "contact-impact",
+        "--time-step",
+        "signorini --elements 4 --mass lumped --beta-s 1 --scheme park --time-step 0.01",
+        Column("steps", &["30"]),
+    ),
+    // At r = 1 and beta_s = 1e9 the predictor-corrector stands C = 1/2: 24 steps at it, 48 at half of it.
+    (
+        "contact-impact",
+        "--fraction",
+        "signorini --elements 4 --mass lumped --beta-s 1e9 --scheme predictor-corrector --fraction 0.5",
+        Column("steps", &["48"]),
+    ),
+    (
+        "contact-impact",
+        "--frame-every",
+        "signorini --elements 4 --mass lumped --beta-s 1 --scheme park --frame-every 0",
+        Refused("frame-every"),
     ),
     (
         "contact-impact",

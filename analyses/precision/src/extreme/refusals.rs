@@ -35,8 +35,7 @@ fn refused(
     }
 }
 
-const UNIT: Bar =
-    Bar { length: 3.0, elements: 3, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 };
+const UNIT: Bar = Bar::unit(3);
 
 /// C_r of `bar` on a wall.
 fn courant(bar: &Bar, gamma: f64, beta_s: f64, ratio: f64) -> Result<f64, Refusal> {

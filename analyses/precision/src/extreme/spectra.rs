@@ -61,11 +61,6 @@ pub(super) fn cases() -> Vec<Case> {
     lists.into_iter().flatten().flat_map(|point| point.cases()).collect()
 }
 
-/// A bar at rest of elements of length 1 with E = rho = A = 1.
-fn unit_bar(elements: usize) -> Bar {
-    Bar { length: elements as f64, elements, youngs_modulus: 1.0, density: 1.0, area: 1.0, velocity: 0.0 }
-}
-
 /// One bar with its right end on a wall, beta_s = 10.
 fn on_wall(name: String, bar: Bar, gamma: f64, ratio: f64) -> Problem {
     Problem {
@@ -92,21 +87,22 @@ fn penalties() -> Vec<Problem> {
     for beta_s in [1e-300, 1e-12, 1e12, 1e16, 1e300] {
         for r in RATIOS {
             let name = format!("beta-s-{}-r-{}", short(beta_s), short(r));
-            points.push(Problem { beta_s, ..on_wall(name, unit_bar(3), 0.5, r) });
+            points.push(Problem { beta_s, ..on_wall(name, Bar::unit(3), 0.5, r) });
         }
     }
     for r in [1e-12, 0.999_999_999_999_999, 1.000_000_000_000_001, 1e12, f64::INFINITY] {
         for beta_s in [1.0, 1e8] {
             let name = format!("ratio-{}-beta-s-{}", short(r), short(beta_s));
-            points.push(Problem { beta_s, ..on_wall(name, unit_bar(3), 1.0, r) });
+            points.push(Problem { beta_s, ..on_wall(name, Bar::unit(3), 1.0, r) });
         }
     }
     points
 }
 
 fn gammas() -> Vec<Problem> {
-    let point =
-        |gamma: f64, r: f64| on_wall(format!("gamma-{}-r-{}", short(gamma), short(r)), unit_bar(3), gamma, r);
+    let point = |gamma: f64, r: f64| {
+        on_wall(format!("gamma-{}-r-{}", short(gamma), short(r)), Bar::unit(3), gamma, r)
+    };
     [0.0, 1e-16, 1.0].into_iter().flat_map(|gamma| RATIOS.map(|r| point(gamma, r))).collect()
 }
 
@@ -117,10 +113,11 @@ fn elements() -> Vec<Problem> {
         let engines = if n == MILLION { SPARSE_ENGINES } else { EVERY_ENGINE };
         for r in RATIOS_AND_HALF {
             for (end, text) in [(End::Free, "free"), (End::Fixed, "fixed")] {
-                let bar = on_wall(format!("elements-{n}-{text}-r-{}", short(r)), unit_bar(n), 0.0, r);
+                let bar = on_wall(format!("elements-{n}-{text}-r-{}", short(r)), Bar::unit(n), 0.0, r);
                 points.push(Problem { ends: (end, End::Wall), engines, ..bar });
             }
-            let bars = pair(format!("pair-elements-{n}-r-{}", short(r)), [unit_bar(n), unit_bar(n)], 0.0, r);
+            let bars =
+                pair(format!("pair-elements-{n}-r-{}", short(r)), [Bar::unit(n), Bar::unit(n)], 0.0, r);
             points.push(Problem { engines, ..bars });
         }
     }
@@ -131,13 +128,13 @@ fn contrasts() -> Vec<Problem> {
     let mut points = Vec::new();
     for factor in FACTORS {
         let contrasting = [
-            ("size", Bar { length: 3.0 * factor, ..unit_bar(3) }),
-            ("density", Bar { density: factor, ..unit_bar(3) }),
-            ("area", Bar { area: factor, ..unit_bar(3) }),
+            ("size", Bar { length: 3.0 * factor, ..Bar::unit(3) }),
+            ("density", Bar { density: factor, ..Bar::unit(3) }),
+            ("area", Bar { area: factor, ..Bar::unit(3) }),
         ];
         for (what, bar) in contrasting {
             let name = |r: f64| format!("{what}-contrast-{}-r-{}", short(factor), short(r));
-            points.extend(RATIOS.map(|r| pair(name(r), [unit_bar(2), bar.clone()], 0.0, r)));
+            points.extend(RATIOS.map(|r| pair(name(r), [Bar::unit(2), bar.clone()], 0.0, r)));
         }
     }
     points
@@ -153,17 +150,17 @@ fn ends_of_the_range() -> Vec<Problem> {
     ];
     let mut points = Vec::new();
     for (what, youngs_modulus, density) in data {
-        let bar = Bar { youngs_modulus, density, ..unit_bar(3) };
+        let bar = Bar { youngs_modulus, density, ..Bar::unit(3) };
         points.extend(RATIOS.map(|r| Problem {
             quantity: Quantity::OmegaMax,
             ..on_wall(format!("{what}-r-{}", short(r)), bar.clone(), 1.0, r)
         }));
     }
     for r in RATIOS_AND_HALF {
-        let massless = Bar { density: 1e-200, ..unit_bar(1) };
+        let massless = Bar { density: 1e-200, ..Bar::unit(1) };
         let weightless = Bar { youngs_modulus: 1e-200, ..massless.clone() };
         for (what, bar) in [("massless-contact-node", massless), ("weightless-bar", weightless)] {
-            points.push(pair(format!("{what}-r-{}", short(r)), [unit_bar(3), bar], 1.0, r));
+            points.push(pair(format!("{what}-r-{}", short(r)), [Bar::unit(3), bar], 1.0, r));
         }
     }
     points
@@ -174,16 +171,16 @@ fn near_ties() -> Vec<Problem> {
     let mut points = Vec::new();
     let next = 1.0 + f64::EPSILON;
     for r in RATIOS_AND_HALF {
-        let stiffer = Bar { youngs_modulus: next, ..unit_bar(3) };
-        let heavier = Bar { density: next, ..unit_bar(3) };
+        let stiffer = Bar { youngs_modulus: next, ..Bar::unit(3) };
+        let heavier = Bar { density: next, ..Bar::unit(3) };
         for (what, bar) in [("modulus", stiffer), ("density", heavier)] {
-            points.push(pair(format!("{what}-one-bit-off-r-{}", short(r)), [unit_bar(3), bar], 0.0, r));
+            points.push(pair(format!("{what}-one-bit-off-r-{}", short(r)), [Bar::unit(3), bar], 0.0, r));
         }
     }
     for r in [1e-12, 0.5] {
         for beta_s in [10.0, 1e16] {
             let name = format!("top-mode-orthogonal-r-{}-beta-s-{}", short(r), short(beta_s));
-            points.push(Problem { beta_s, ..pair(name, [unit_bar(4), unit_bar(4)], 0.0, r) });
+            points.push(Problem { beta_s, ..pair(name, [Bar::unit(4), Bar::unit(4)], 0.0, r) });
         }
     }
     points

@@ -112,14 +112,7 @@ pub(super) fn run(
     distance: f64,
     velocity: f64,
 ) -> Result<Run, String> {
-    let bar = Bar {
-        length: ELEMENTS as f64,
-        elements: ELEMENTS,
-        youngs_modulus: 1.0,
-        density: 1.0,
-        area: 1.0,
-        velocity,
-    };
+    let bar = Bar { velocity, ..Bar::unit(ELEMENTS) };
     let impact = Impact { duration: 1.0, gaps: vec![distance], gravity: 0.0 };
     let scene = Scene::new("shot", End::Free, vec![bar], End::Wall, Some(impact)).map_err(text)?;
     let mass = MassMatrix::new(gamma).map_err(text)?;
