@@ -131,12 +131,15 @@ fn models_of<R: Clone, K: PartialEq>(
     Ok(models)
 }
 
+/// A quantity over the dimensionless one beside it.
+type Proportion = fn(&StabilityRow) -> Option<f64>;
+
 /// Refuses rows of one model whose steps in seconds and Courant numbers, or whose penalties in N/m and beta_s, are not all in
 /// one proportion: a chart in SI units would show others than its rows prove.
 fn check_units(file: &Path, rows: &[StabilityRow]) -> Result<(), Refusal> {
     // A quotient of two rounded numbers, a bound that is rounded outwards, and the other quotient.
     const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
-    let proportions: [(&str, fn(&StabilityRow) -> Option<f64>); 4] = [
+    let proportions: [(&str, Proportion); 4] = [
         ("critical_step", |row| Some(row.critical_step?.0 / row.critical_courant?.0)),
         ("step_lower", |row| Some(row.step_lower?.0 / row.lower?.0)),
         ("step_upper", |row| Some(row.step_upper?.0 / row.upper?.0).filter(|rate| rate.is_finite())),
