@@ -79,6 +79,8 @@ fn mistakes_are_named() {
 
     let mut figure = curves();
     figure.panels[0].y.range = Some((5.0, 6.0));
+    let stable = Layer::Shade { points: decay(1.0), side: Side::Below, label: None, source: None };
+    figure.panels[0].layers.push(stable);
     assert!(matches!(figure.svg(), Err(PlotError::NothingVisible)));
     assert!(matches!(check_label("C_r"), Err(PlotError::Markup { .. })));
     assert!(matches!(check_label("time 時"), Err(PlotError::Character { character: '時', .. })));
