@@ -133,7 +133,7 @@ fn park_limits_of_random_meshes_are_enclosed() {
             continue;
         }
         meshes += 1;
-        let mut random = crate::scenes::Random(seed);
+        let mut random = crate::numbers::Numbers(seed);
         let ratio = if seed % 4 == 0 { f64::INFINITY } else { random.log(1e-2, 1e3) };
         let (beta_s, theta) = (random.log(1e-4, 1e8), [0.0, 0.5, 1.0][seed as usize % 3]);
         let tolerance = [1e-9, 1e-6, 1e-3][(seed as usize / 3) % 3];
