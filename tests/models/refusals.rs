@@ -71,7 +71,6 @@ fn what_does_not_apply_is_refused() {
     let consistent = AnyModel::Mesh(Box::new(as_matrices(&bars("signorini", 4, MassMatrix::CONSISTENT))));
     assert_eq!(place(&matrices, Asking { memory: Some(10), ..usual() }), "");
     assert_eq!(place(&consistent, Asking { memory: Some(10), ..usual() }), "mass matrix");
-    assert_eq!(place(&model, Asking { limit: SchemeName::Park.into(), ..usual() }), "limit");
     assert!(
         model.critical_step(-1.0, 1.0, &usual()).is_err() && model.critical_step(1.0, 0.0, &usual()).is_err()
     );
