@@ -4,11 +4,13 @@ use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::Matrix;
 use bipenalty::schemes::{Scheme, SchemeName};
-use bipenalty::stability::{AnyModel, AnyScene, Asking, MeshModel};
+use bipenalty::spectrum::Evidence;
+use bipenalty::stability::{AnyModel, AnyScene, Asking, LimitOf, MeshModel};
 use bipenalty::verify::{PenaltyPoint, Search, limit_of_any};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Par, Side};
 
+use crate::bars::{as_matrices, bars};
 use crate::reference::{dense, eigen};
 use crate::scenes::{TWO_BLOCKS, random_mesh};
 
@@ -102,27 +104,128 @@ fn stepping_confirms_the_limits_of_all_schemes_in_the_plane_and_in_space() {
             let found = limit_of_any(&model, scheme, point, &Search::to(tolerance, scheme).unwrap()).unwrap();
             let place = format!("{}, {}, {}: {found:?}", model.name(), mass.name(), name.name());
             assert!(found.stable_at < found.unstable_at && found.stable_at > 0.0, "{place}");
-            match name {
-                SchemeName::Park => {
-                    let at = |dt: f64| park(mesh, beta_s, ratio, 0.5, dt);
-                    assert!(
-                        at(found.stable_at * 0.98) < 1.0 && at(found.unstable_at * 1.02) > 1.0,
-                        "{place}"
-                    );
-                }
-                _ => {
-                    let asking = Asking { limit: name.into(), ..Asking::default() };
-                    let step = model.critical_step(beta_s, ratio, &asking).unwrap().step.unwrap();
-                    let (low, high) =
-                        (model.time_step(step.lower).unwrap(), model.time_step(step.upper).unwrap());
-                    assert!(found.unstable_at >= low * (1.0 - tolerance), "{place} {low}");
-                    assert!(found.stable_at <= high * (1.0 + tolerance), "{place} {high}");
-                    // Not far above a bound either: unlike contacts gain a quarter at most.
-                    assert!(found.stable_at <= low * 1.3, "{place} {low}");
-                }
+            if name == SchemeName::Park {
+                let at = |dt: f64| park(mesh, beta_s, ratio, 0.5, dt);
+                assert!(at(found.stable_at * 0.98) < 1.0 && at(found.unstable_at * 1.02) > 1.0, "{place}");
             }
+            let asking = Asking { limit: name.into(), ..Asking::default() };
+            let step = model.critical_step(beta_s, ratio, &asking).unwrap().step.unwrap();
+            let (low, high) = (model.time_step(step.lower).unwrap(), model.time_step(step.upper).unwrap());
+            assert!(found.unstable_at >= low * (1.0 - tolerance), "{place} {low}");
+            assert!(found.stable_at <= high * (1.0 + tolerance), "{place} {high}");
+            // Not far above a bound either: unlike contacts gain a quarter at most.
+            let more = if name == SchemeName::PredictorCorrector { 1.3 } else { 1.0 + tolerance };
+            assert!(found.stable_at <= low * more, "{place} {low}");
         }
     }
+}
+
+/// 120 random meshes: at the lower end of the enclosure l_max(C W) <= 1, at the upper end it is beyond, by all eigenpairs.
+#[test]
+fn park_limits_of_random_meshes_are_enclosed() {
+    faer::set_global_parallelism(Par::Seq);
+    let (mut meshes, mut contact) = (0, 0);
+    for seed in 500.. {
+        let mass = [MassMatrix::LUMPED, MassMatrix::CONSISTENT, MassMatrix::AVERAGED][seed as usize % 3];
+        let model = model(&random_mesh(seed), mass);
+        let AnyModel::Mesh(mesh) = &model else { panic!() };
+        if mesh.pencil().size() > 120 {
+            continue;
+        }
+        meshes += 1;
+        let mut random = crate::numbers::Numbers(seed);
+        let ratio = if seed % 4 == 0 { f64::INFINITY } else { random.log(1e-2, 1e3) };
+        let (beta_s, theta) = (random.log(1e-4, 1e8), [0.0, 0.5, 1.0][seed as usize % 3]);
+        let tolerance = [1e-9, 1e-6, 1e-3][(seed as usize / 3) % 3];
+        let limit = LimitOf::Scheme(SchemeName::Park.with_theta(theta).unwrap());
+        let asking = Asking { limit, tolerance: Some(tolerance), ..Asking::default() };
+        let step = model.critical_step(beta_s, ratio, &asking).unwrap().step.unwrap();
+        let place = format!("seed {seed}, {}, {beta_s:e}, r = {ratio}, theta {theta}: {step:?}", mass.name());
+        assert_eq!(step.evidence, Evidence::Proven, "{place}");
+        assert!(step.lower > 0.0 && step.upper / step.lower - 1.0 <= tolerance * 1.0001, "{place}");
+        let at = |courant: f64| park(mesh, beta_s, ratio, theta, model.time_step(courant).unwrap());
+        // The reference and dt_c are known to 1e-10, which l_max(C W) multiplies where W has its pole.
+        assert!(at(step.lower * (1.0 - 1e-8)) <= 1.0, "{place}");
+        if step.upper < 1.0 - 1e-7 {
+            contact += 1;
+            assert!(at(step.upper * (1.0 + 1e-8)) >= 1.0, "{place}");
+        }
+        if meshes == 120 {
+            break;
+        }
+    }
+    assert!(contact > 80, "{contact}");
+}
+
+/// Bars as matrices have the Park limits of bars, which are proven in another way.
+#[test]
+fn park_limits_of_bars_as_matrices_are_those_of_bars() {
+    for (name, elements, mass) in [
+        ("signorini", 8, MassMatrix::LUMPED),
+        ("hunek", 4, MassMatrix::CONSISTENT),
+        ("symmetric", 3, MassMatrix::AVERAGED),
+    ] {
+        let model = bars(name, elements, mass);
+        let (mesh, model) = (AnyModel::Mesh(Box::new(as_matrices(&model))), AnyModel::Bars(model));
+        let asking = Asking { limit: SchemeName::Park.into(), ..Asking::default() };
+        for (beta_s, ratio) in
+            [(0.1, 1.0), (10.0, 0.2), (1e4, 5.0), (1e4, f64::INFINITY), (1e12, f64::INFINITY)]
+        {
+            let step = |model: &AnyModel| {
+                let found = model.critical_step(beta_s, ratio, &asking).unwrap().step.unwrap();
+                (model.time_step(found.lower).unwrap(), model.time_step(found.upper).unwrap())
+            };
+            let (known, found) = (step(&model), step(&mesh));
+            assert!(
+                found.0 <= known.1 * (1.0 + 1e-10) && known.0 <= found.1 * (1.0 + 1e-10),
+                "{name}, {beta_s}, {ratio}: {found:?}, bars {known:?}"
+            );
+        }
+    }
+}
+
+/// The largest beta_s and the largest ratio of a step are those with which it is the limit of the Park scheme.
+#[test]
+fn the_largest_penalty_and_ratio_of_park_are_at_its_limit() {
+    let model = model(TWO_BLOCKS, MassMatrix::LUMPED);
+    let asking = Asking { limit: SchemeName::Park.into(), ..Asking::default() };
+    for (beta_s, ratio) in [(3.0, 0.3), (20.0, 3.0), (5.0, f64::INFINITY)] {
+        let step = model.critical_step(beta_s, ratio, &asking).unwrap().step.unwrap();
+        let dt = model.time_step(0.5 * (step.lower + step.upper)).unwrap();
+        let most = model.largest_penalty(dt, ratio, &asking).unwrap().unwrap();
+        assert!(
+            most.lower <= most.upper && (most.lower / beta_s - 1.0).abs() < 1e-6,
+            "{beta_s}, {ratio}: {most:?}"
+        );
+        if ratio.is_finite() {
+            let most = model.largest_ratio(dt, beta_s, &asking).unwrap().unwrap();
+            assert!(
+                most.lower <= most.upper && (most.lower / ratio - 1.0).abs() < 1e-6,
+                "{beta_s}, {ratio}: {most:?}"
+            );
+        }
+        let best = model.optimal_ratio(beta_s, &asking).unwrap().unwrap();
+        assert!(best.lower == 0.0 && best.upper <= 1.0, "{best:?}");
+    }
+    let free = model.time_step(1.01).unwrap();
+    assert_eq!(model.largest_penalty(free, 1.0, &asking).unwrap(), None);
+}
+
+/// A stiffness that is not semidefinite has no limit of this kind.
+#[test]
+fn park_refuses_a_stiffness_that_pushes() {
+    let two = |a: f64, b: f64| {
+        Matrix::Sparse(bipenalty::sparse::Csr::from_triplets(
+            2,
+            2,
+            &[(0, 0, a), (1, 1, a), (0, 1, b), (1, 0, b)],
+        ))
+    };
+    let gap = bipenalty::sparse::SparseVector(vec![(0, 1.0)]);
+    let model = MeshModel::from_matrices(two(1.0, -1.001), two(1.0, 0.0), vec![gap], &[1.0], None).unwrap();
+    let asking = Asking { limit: SchemeName::Park.into(), ..Asking::default() };
+    let refused = AnyModel::Mesh(Box::new(model)).critical_step(1.0, 1.0, &asking).unwrap_err();
+    assert!(refused.to_string().contains("semidefinite"), "{refused}");
 }
 
 /// |multipliers| of a step of the predictor-corrector as it is defined, but those at 1 that belong to rigid motion.

@@ -161,13 +161,19 @@ fn labelled(figure: &Figure, axes: &[(Interval, Interval)], columns: usize) -> V
             && (i.low, i.high) == (j.low, j.high)
     };
     let panels = &figure.panels;
-    let of = |i: usize| Labelled {
+    let own = |i: usize| Labelled {
         x: panels
             .get(i + columns)
             .is_none_or(|below| !same(&panels[i].x, axes[i].0, &below.x, axes[i + columns].0)),
         y: i.is_multiple_of(columns) || !same(&panels[i].y, axes[i].1, &panels[i - 1].y, axes[i - 1].1),
     };
-    (0..panels.len()).map(of).collect()
+    // Where one panel of a row needs room below it, or one of a column on its left, the others have it too.
+    let all: Vec<usize> = (0..panels.len()).collect();
+    let of = |i: &usize| Labelled {
+        x: all.iter().any(|j| j / columns == i / columns && own(*j).x),
+        y: all.iter().any(|j| j % columns == i % columns && own(*j).y),
+    };
+    all.iter().map(of).collect()
 }
 
 impl Plan<'_> {

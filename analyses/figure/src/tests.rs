@@ -79,6 +79,8 @@ fn mistakes_are_named() {
 
     let mut figure = curves();
     figure.panels[0].y.range = Some((5.0, 6.0));
+    let stable = Layer::Shade { points: decay(1.0), side: Side::Below, label: None, source: None };
+    figure.panels[0].layers.push(stable);
     assert!(matches!(figure.svg(), Err(PlotError::NothingVisible)));
     assert!(matches!(check_label("C_r"), Err(PlotError::Markup { .. })));
     assert!(matches!(check_label("time 時"), Err(PlotError::Character { character: '時', .. })));
@@ -113,15 +115,15 @@ fn alike_axes_are_labelled_once_and_others_each() {
     let svg = figure.svg().expect("valid figure");
     // Two columns and three rows: below the lowest and left of the first.
     assert_eq!((count(&svg, "βs"), count(&svg, "Cr")), (2, 3));
-    // Five panels: the one above the hole is the lowest of its column.
+    // Five panels: above the hole there are numbers, and beside it too.
     figure.panels.pop();
     let svg = figure.svg().expect("valid figure");
-    assert_eq!((count(&svg, "βs"), count(&svg, "Cr")), (2, 3));
-    // Another range in one panel: the neighbours that are read by it have labels of their own.
+    assert_eq!((count(&svg, "βs"), count(&svg, "Cr")), (3, 3));
+    // Another range in the first panel: its row and the column on its right have labels of their own.
     figure.panels[0].x.range = Some((0.0, 5.0));
     figure.panels[0].y.range = Some((0.0, 2.0));
     let svg = figure.svg().expect("valid figure");
-    assert_eq!((count(&svg, "βs"), count(&svg, "Cr")), (3, 4));
+    assert_eq!((count(&svg, "βs"), count(&svg, "Cr")), (5, 5));
 }
 
 #[test]
@@ -137,7 +139,7 @@ fn as_many_columns_as_the_labels_allow() {
     let (one, two) = (in_columns(&figure, 1), in_columns(&figure, 2));
     // Four are too narrow to be drawn at all.
     let four = in_columns(&figure, 4);
-    assert!(1.2 * four < one && four <= two, "{one} {two} {four}");
+    assert!(1.2 * four < one && 1.2 * two < one, "{one} {two} {four}");
     // A title as wide as the page stands above one panel only.
     figure.panels[3].title = Some("a title that has no room above half of a column".to_owned());
     let (alone, beside) = (in_columns(&figure, 1), in_columns(&figure, 2));

@@ -61,7 +61,7 @@ pub(super) fn trace(layer: &Layer, frame: &Frame) -> Result<Trace, PlotError> {
             check(points, "shade", label)?;
             let lines = frame.lines(points);
             let areas = lines.iter().map(|line| area(line, *side, rect));
-            Ok(Trace { areas: areas.filter(|area| area.len() > 2).collect(), ..Trace::default() })
+            Ok(Trace { areas: areas.filter(|area| has_height(area)).collect(), ..Trace::default() })
         }
         Layer::Contour { lines, label } => {
             check(&lines.concat(), "contour", label)?;
@@ -133,6 +133,14 @@ fn area(line: &[Point], side: Side, rect: Rect) -> Vec<Point> {
     let ring = cut_at(&ring, |p| rect.right - p.0);
     let ring = cut_at(&ring, |p| p.1 - rect.top);
     cut_at(&ring, |p| rect.bottom - p.1)
+}
+
+/// Whether an area is more than a line along the edge at which it was cut.
+fn has_height(area: &[Point]) -> bool {
+    let (low, high) = area
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| (low.min(point.1), high.max(point.1)));
+    high - low > CURVE_TOLERANCE
 }
 
 /// The part of a polygon where `depth`, a linear function, is not negative.

@@ -131,7 +131,7 @@ fn models_of<R: Clone, K: PartialEq>(
     Ok(models)
 }
 
-/// A quotient of two cells of a row, where both are known.
+/// A quantity over the dimensionless one beside it.
 type Proportion = fn(&StabilityRow) -> Option<f64>;
 
 /// Refuses rows of one model whose steps in seconds and Courant numbers, or whose penalties in N/m and beta_s, are not all in

@@ -1,5 +1,7 @@
 //! The stabilised scheme of Park with pullback and averaging.
 
+#[cfg(test)]
+mod convexity;
 mod fractions;
 mod limit;
 mod motion;
