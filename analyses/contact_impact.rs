@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 use analyses::cli::{
     Analysis, FinishedRun, Format, Kept, Output, OutputOptions, PlannedPassage, PlannedRun, Progress,
-    SceneOptions, StepOptions, Verdict, check_memory, check_passages, check_stems, checked_grid,
-    draw_impacts, draw_passages, execute, execute_passages, narrate, print_impacts, require_memory,
-    write_impacts,
+    SceneOptions, StepOptions, Verdict, axis_word, check_memory, check_passages, check_stems, checked_grid,
+    draw_impacts, draw_passages, execute, execute_passages, narrate, penalties_of, print_impacts, question,
+    require_memory, write_impacts,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::ImpactRow;
@@ -31,8 +31,11 @@ struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     /// Stiffness penalties: a list 1,1e4 or lin:1:10:10 or log:1:1e12:4 (start:stop:count)
-    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "1,1e4,1e8,1e12")]
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = USUAL)]
     beta_s: Sweep,
+    /// Stiffness penalties s in N/m, in the same forms, instead of beta_s: s of the contact of smallest scale, no other is softer
+    #[arg(long, value_name = "SPEC", allow_negative_numbers = true, conflicts_with = "beta_s")]
+    stiffness: Option<Sweep>,
     /// Penalty ratios r, in the same forms; inf is the pure penalty method
     #[arg(long, value_name = "SPEC", allow_negative_numbers = true, default_value = "1")]
     ratio: Sweep,
@@ -42,13 +45,13 @@ struct Options {
         long,
         value_name = "LIST",
         value_delimiter = ',',
-        default_value = "central-difference,predictor-corrector,park"
+        default_value = USUAL_SCHEMES
     )]
     scheme: Vec<SchemeName>,
     #[command(flatten)]
     step: StepOptions,
     /// Averaging of the Park scheme, in [0, 1]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 0.5)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = USUAL_THETA)]
     theta: f64,
     /// Simulated time in s [default: the scene's]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
@@ -67,13 +70,18 @@ struct Options {
     output: OutputOptions,
 }
 
+/// What is stepped unless told otherwise.
+const USUAL: &str = "1,1e4,1e8,1e12";
+const USUAL_SCHEMES: &str = "central-difference,predictor-corrector,park";
+const USUAL_THETA: f64 = 0.5;
+
 /// Bytes of a run that is planned (500 for three bars, twice), and of its line.
 const BYTES_PER_RUN: u64 = 2000;
 
 const EXAMPLES: &str = "Examples:
   contact-impact                                  the impacts of the paper
   contact-impact hunek --mass lumped --scheme park --beta-s 1e8
-  contact-impact my-bars.toml --mass lumped --scheme predictor-corrector --ratio 1,2 --stdout csv
+  contact-impact my-bars.toml --mass lumped --scheme predictor-corrector --ratio 0.25 --stdout csv
   contact-impact bouncing-bar --mass lumped --duration 16 --every 10 --format svg,csv
   contact-impact plane-impact.toml --scheme predictor-corrector,lagrange --ratio 0.25 --fraction 0.9
   contact-impact unlike-blocks.toml --beta-s 1e3 --duration 1e-4 --every 10 --format csv,vtu";
@@ -89,6 +97,27 @@ impl Analysis for Options {
 
     fn output(&self) -> &OutputOptions {
         &self.output
+    }
+
+    fn folder(&self) -> String {
+        let others = |name: &str, axis: &Sweep, usual: &str| {
+            (usual.parse() != Ok(axis.clone())).then(|| axis_word(name, axis))
+        };
+        let schemes = self.scheme.iter().map(|scheme| scheme.name()).collect::<Vec<_>>();
+        let schemes = (schemes.join(",") != USUAL_SCHEMES).then(|| schemes.join("-"));
+        let number = |name: &str, value: Option<f64>| value.map(|value| format!("{name}{value}"));
+        let words = [
+            others("beta", &self.beta_s, USUAL),
+            self.stiffness.as_ref().map(|stiffness| axis_word("s", stiffness)),
+            others("r", &self.ratio, "1"),
+            schemes,
+            number("theta", Some(self.theta).filter(|theta| *theta != USUAL_THETA)),
+            number("t", self.duration),
+            number("stress", self.stress_at),
+            Some(self.every).filter(|every| *every != 1).map(|every| format!("every{every}")),
+        ];
+        let words = self.scene.words().into_iter().chain(words).chain(self.step.words());
+        question(words).trim_start_matches('-').to_owned()
     }
 
     fn plan(&self) -> Result<Self::Plan> {
@@ -231,7 +260,7 @@ fn plan(options: &Options) -> Result<Vec<Group>> {
     if options.frame_every == Some(0) {
         return Err(Refusal::new("--frame-every", 0, "at least 1").into());
     }
-    let grid = checked_grid(&options.beta_s, &options.ratio)?;
+    let grid = checked_grid(options.stiffness.as_ref().unwrap_or(&options.beta_s), &options.ratio)?;
     require_memory(&grid, BYTES_PER_RUN * options.scheme.len() as u64)?;
     let schemes: Vec<Arc<dyn Scheme>> = options
         .scheme
@@ -241,6 +270,10 @@ fn plan(options: &Options) -> Result<Vec<Group>> {
     let mut groups = Vec::new();
     for scene in asked.scenes()? {
         for model in asked.models(&scene)? {
+            let grid = match &options.stiffness {
+                Some(stiffness) => checked_grid(&penalties_of(stiffness, &model)?, &options.ratio)?,
+                None => grid.clone(),
+            };
             groups.extend(groups_of(options, &scene, &model, &schemes, &grid)?);
         }
     }

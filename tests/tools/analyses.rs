@@ -234,3 +234,23 @@ fn wrong_input_is_refused_before_anything_is_written() {
         assert!(std::fs::read_dir(&directory).unwrap().next().is_none(), "{arguments} wrote a file");
     }
 }
+
+#[test]
+fn another_impact_leaves_the_files_of_the_usual_one() {
+    let directory = scratch("impact-folder");
+    let run = |more: &str| {
+        let words = format!("signorini --elements 4 --mass lumped --format csv --quiet {more}");
+        let mut program = Command::new(CONTACT_IMPACT);
+        program.current_dir(&directory).args(words.split_whitespace());
+        assert!(program.status().unwrap().success(), "{more}");
+    };
+    run("--scheme park --beta-s 1");
+    run("--scheme park --beta-s 1 --ratio 0.25");
+    run("--scheme park --stiffness 1e4");
+    let mut folders: Vec<String> = std::fs::read_dir(directory.join("figures/contact-impact"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    folders.sort();
+    assert_eq!(folders, ["n4-beta1-park", "n4-beta1-r0.25-park", "n4-s1e4-park"]);
+}

@@ -316,3 +316,15 @@ fn bash_completes_scenes_and_their_files() {
     let limits = offered(&["stability-map", "--limit"]);
     assert!(limits.contains("park") && !limits.contains("hunek"), "{limits}");
 }
+
+#[test]
+fn the_plan_groups_mass_matrices_and_tells_time_and_memory() {
+    let scratch = Scratch::new("plan");
+    let plan = run(&scratch, "--explain").succeeded();
+    let gammas = plan.lines().filter(|line| line.contains("0.05, 0.1, 0.15")).count();
+    assert_eq!(gammas, 1, "{plan}");
+    assert!(
+        plan.contains("MB of memory for the records, about ") && plan.contains(" s of one core"),
+        "{plan}"
+    );
+}

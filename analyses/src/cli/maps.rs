@@ -221,10 +221,30 @@ impl Job {
                 Chart::None => "not drawn",
             }
         );
+        // Models that differ by their mass matrices only stand in one line.
+        const MASS: &str = "{mass}";
+        let mut lines: Vec<(String, Vec<String>)> = Vec::new();
         for model in &self.models {
-            text += &format!("  {}\n", super::explain(model, limit, &self.grid)?);
+            let mass = model.mass().map_or_else(String::new, |mass| mass.name());
+            let line = super::explain(model, limit, &self.grid)?;
+            let line = line.replacen(&format!("{mass} mass"), &format!("{MASS} mass"), 1);
+            match lines.iter_mut().find(|(known, _)| *known == line) {
+                Some((_, masses)) => masses.push(mass),
+                None => lines.push((line, vec![mass])),
+            }
         }
-        Ok(text)
+        for (line, masses) in lines {
+            text += &format!("  {}\n", line.replacen(MASS, &masses.join(", "), 1));
+        }
+        let bytes = self.points() as u64 * BYTES_PER_POINT;
+        let seconds: Option<f64> = self
+            .models
+            .iter()
+            .map(|model| super::seconds_of(model, limit, self.points() / self.models.len()))
+            .sum();
+        let seconds =
+            seconds.map_or_else(String::new, |s| format!(", about {s:.1e} s of one core without figures"));
+        Ok(text + &format!("  at most {} MB of memory for the records{seconds}\n", bytes.div_ceil(1_000_000)))
     }
 
     /// The contour lines of the maps: explicit, but for the limits of schemes with several contacts between bars, which are

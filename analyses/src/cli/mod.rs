@@ -40,6 +40,7 @@ pub use options::{
 pub use output::{Output, axis_word, check_stems, question};
 pub use passages::{FinishedPassage, Kept, PlannedPassage, StepOptions, check_passages, execute_passages};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
+use plan::seconds_of;
 pub use plan::{explain, step_and_cost};
 pub use progress::Progress;
 pub use redraw::{Redrawn, redraw_costs, redraw_optimal_ratio, redraw_stability};

@@ -19,6 +19,11 @@ pub trait Analysis: Parser {
     /// Where the results go.
     fn output(&self) -> &OutputOptions;
 
+    /// The folder below that of the tool for files of another question than the usual one; empty for the usual one.
+    fn folder(&self) -> String {
+        String::new()
+    }
+
     /// What will be computed.
     ///
     /// # Errors
@@ -57,7 +62,7 @@ pub fn narrate<A: Analysis>() -> ExitCode {
 
 fn run<A: Analysis>(analysis: &A) -> Result<Verdict> {
     let plan = analysis.plan()?;
-    let output = Output::prepare(analysis.output(), A::NAME)?;
+    let output = Output::prepare(analysis.output(), A::NAME, &analysis.folder())?;
     if analysis.output().explain {
         Output::print_text(&analysis.explain(&plan)?)?;
         return Ok(Verdict::Holds);

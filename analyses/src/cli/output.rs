@@ -39,13 +39,13 @@ pub struct Output {
 }
 
 impl Output {
-    /// Prepares the output of `tool`, sets the number of threads, and checks that the directory can be written.
+    /// Prepares the output of `tool`, in `folder` below its own unless told where, sets the number of threads, and checks that the directory can be written.
     ///
     /// # Errors
     /// Refuses a directory that is a file or cannot be written to.
-    pub fn prepare(options: &OutputOptions, tool: &str) -> Result<Self> {
+    pub fn prepare(options: &OutputOptions, tool: &str, folder: &str) -> Result<Self> {
         let style = Style::new(&options.style)?;
-        let directory = options.out.clone().unwrap_or_else(|| Path::new("figures").join(tool));
+        let directory = options.out.clone().unwrap_or_else(|| Path::new("figures").join(tool).join(folder));
         if options.stdout.is_none() && !options.explain {
             check_writable(&directory)?;
         }

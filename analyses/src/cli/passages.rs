@@ -19,11 +19,14 @@ use bipenalty::schemes::{Motion, Scheme};
 use bipenalty::stability::{AnyModel, AnyScene};
 use bipenalty::verify::{PenaltyPoint, linear_step};
 
+/// dt/dt_cr of the contact-free scene unless told otherwise.
+const USUAL_COURANT: f64 = 0.5;
+
 /// How long a step is.
 #[derive(Debug, Clone, Args)]
 pub struct StepOptions {
     /// dt/dt_cr of the contact-free scene
-    #[arg(long, value_name = "C", allow_negative_numbers = true, default_value_t = 0.5)]
+    #[arg(long, value_name = "C", allow_negative_numbers = true, default_value_t = USUAL_COURANT)]
     pub relative_courant: f64,
     /// dt in s
     #[arg(long, value_name = "DT", allow_negative_numbers = true, conflicts_with = "relative_courant")]
@@ -39,6 +42,13 @@ pub struct StepOptions {
 }
 
 impl StepOptions {
+    /// What a folder's name says of the step, if it is not the usual one.
+    pub fn words(&self) -> [Option<String>; 3] {
+        let word = |name: &str, value: Option<f64>| value.map(|value| format!("{name}{value}"));
+        let courant = Some(self.relative_courant).filter(|courant| *courant != USUAL_COURANT);
+        [word("c", courant), word("dt", self.time_step), word("fraction", self.fraction)]
+    }
+
     /// dt over `critical_step` (s), the contact-free one of `model`.
     ///
     /// # Errors

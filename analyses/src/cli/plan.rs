@@ -25,6 +25,23 @@ pub fn explain(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<St
     })
 }
 
+/// What `points` limits of bars take one core, s, by the times of `work-precision` on a machine of 2025; `None` where they were
+/// not timed.
+pub(super) fn seconds_of(model: &AnyModel, limit: &LimitOptions, points: usize) -> Option<f64> {
+    let AnyModel::Bars(model) = model else { return None };
+    if limit.limit.scheme().is_some() || model.scales().len() > 1 {
+        return None;
+    }
+    let elements = model.scene().elements() as f64;
+    let each = match limit.engine {
+        EngineName::Auto | EngineName::ClosedForm => 4e-6,
+        EngineName::Sturm => 3.5e-7 * elements,
+        EngineName::Dense => 2.7e-10 * elements.powi(3),
+        _ => return None,
+    };
+    Some(each * points as f64)
+}
+
 /// How much larger a step a scheme stands than central differences, and what it pays for it.
 pub fn step_and_cost(scheme: &ExplicitScheme) -> String {
     let ExplicitFacts { title, parameter, evaluations, formula, source, .. } = *scheme.facts();

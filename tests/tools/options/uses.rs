@@ -254,6 +254,12 @@ pub const USES: &[(&str, &str, &str, Seen)] = &[
     ("scheme-limits", "--from", "--from missing.csv", Refused("missing.csv")),
     (
         "contact-impact",
+        "--stiffness",
+        "signorini --elements 3 --mass lumped --stiffness 1e4 --scheme park",
+        All("penalty_stiffness", "10000.0"),
+    ),
+    (
+        "contact-impact",
         "--elements",
         "signorini --elements 3 --mass lumped --beta-s 1 --scheme park",
         Column("steps", &["18"]),
