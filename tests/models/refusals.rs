@@ -2,7 +2,6 @@
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
-use bipenalty::schemes::SchemeName;
 use bipenalty::stability::{AnyModel, AnyScene, Asking, EngineName};
 
 use crate::bars::{as_matrices, bars};

@@ -3,6 +3,7 @@
 //! Records go to files or standard output, everything else to standard error. Exit status 0: done, and what was
 //! checked holds; 1: done, and a check did not hold; 2: refused, nothing computed or written.
 
+mod answers;
 mod arguments;
 mod forces;
 mod impact_files;
@@ -24,6 +25,7 @@ mod style;
 mod summary;
 mod verification;
 
+pub use answers::{governing_answer, point_answers};
 pub use arguments::arguments;
 pub use forces::{ForceOptions, ForcePlan};
 pub use impact_files::{draw_impacts, draw_passages, write_impacts};
@@ -48,8 +50,7 @@ pub use samples::Samples;
 pub use steps::{HeldStep, hold_step};
 pub use style::{ColourMapOption, Limits, StyleOptions, TextOption};
 pub use summary::{
-    FEW_POINTS, MapSummary, governing_answer, point_answers, print_costs, print_impacts, print_summaries,
-    print_table, tabulate_ratios,
+    FEW_POINTS, MapSummary, print_costs, print_impacts, print_summaries, print_table, tabulate_ratios,
 };
 pub use verification::{print_reasons, print_verification};
 
