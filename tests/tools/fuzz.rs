@@ -319,7 +319,7 @@ fn any_command_line() -> impl Strategy<Value = CommandLine> {
 
 /// Runs a command line for at most half a minute.
 fn run(scratch: &Scratch, line: &CommandLine) -> (Option<i32>, String, String) {
-    let (out, err) = (scratch.path().join("../fuzz-out.txt"), scratch.path().join("../fuzz-err.txt"));
+    let (out, err) = (scratch.path().with_extension("out"), scratch.path().with_extension("err"));
     let file = |path: &std::path::Path| Stdio::from(std::fs::File::create(path).unwrap());
     let mut command = Command::new(TOOLS[line.tool].0);
     command.args(&line.words).current_dir(scratch.path()).stdin(Stdio::null());
