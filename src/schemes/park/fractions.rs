@@ -15,7 +15,7 @@ use crate::double_double::Real;
 /// The partial fractions of the characteristic function.
 ///
 /// At z = -1 w takes 5 roundings, q at most 16, e and the poles 24. There e = w/q and q <= 0.6, so that e - w is
-/// less than 2.5 times as inexact as e: the fractions take fewer than [`Fractions::ROUNDINGS`].
+/// less than 2.5 times as inexact as e: the fractions take fewer than `ROUNDINGS`.
 #[derive(Debug, Clone, Copy)]
 pub struct Fractions<T> {
     /// The pole above the spectrum over l_n.
