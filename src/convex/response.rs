@@ -250,3 +250,52 @@ impl<'a> Solver<'a> {
         x
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sparse::{Csr, SparseVector};
+
+    /// A chain of springs with a full mass and three gaps.
+    fn chain(n: u32) -> MeshPencil {
+        let (mut k, mut m) = (Vec::new(), Vec::new());
+        for i in 0..n {
+            m.push((i, i, 4.0 + f64::from(i % 3)));
+            if i > 0 {
+                let stiff = 1.0 + f64::from(i % 5);
+                k.extend([(i, i, stiff), (i - 1, i - 1, stiff), (i, i - 1, -stiff), (i - 1, i, -stiff)]);
+                m.extend([(i, i - 1, 1.0), (i - 1, i, 1.0)]);
+            }
+        }
+        let matrix = |entries: &[_]| Matrix::Sparse(Csr::from_triplets(n as usize, n as usize, entries));
+        let gap = |entries: Vec<(u32, f64)>| Gap { column: SparseVector(entries), scale: 1.0, initial: 0.0 };
+        let gaps = vec![gap(vec![(0, 1.0)]), gap(vec![(3, 1.0), (7, -0.5)]), gap(vec![(n - 1, -1.0)])];
+        MeshPencil::new(matrix(&k), matrix(&m), gaps).unwrap()
+    }
+
+    /// The bound of a coarse answer holds against an answer to many more digits, and is no more than asked for.
+    #[test]
+    fn answers_are_off_by_no_more_than_they_say() {
+        // diag(M) <= 6 and row sums beside it 2: M >= diag(M)/2. l_max(K, M) <= 2 max(k)/(min(m) - 2)/.. < 10.
+        let responder = Responder::new(&chain(60), 2.0);
+        let mut worst: f64 = 0.0;
+        for (mass, stiffness) in [(10.5, -1.0), (1e6, -1.0), (0.6, 1.0), (1.0, 0.0)] {
+            let least = if stiffness < 0.0 { mass - 10.0 } else { mass };
+            let shifted = Shifted { mass: Dd::from(mass), stiffness, least };
+            let exact = responder.respond(shifted, 1e-24);
+            assert!(exact.error <= 1e-24, "{mass} {stiffness}: {:e}", exact.error);
+            for goal in [1e-4, 1e-8, 1e-13] {
+                let found = responder.respond(shifted, goal);
+                assert!(found.error <= goal, "{mass} {stiffness} {goal}: {:e}", found.error);
+                for (at, (f, e)) in found.entries.iter().zip(&exact.entries).enumerate() {
+                    let own = |i: usize| exact.entries[i * 3 + i].hi;
+                    let off = (*f - *e).hi.abs() / (own(at / 3) * own(at % 3)).sqrt();
+                    assert!(off <= found.error, "{mass} {stiffness} {goal}: {off:e} > {:e}", found.error);
+                    worst = worst.max(off / found.error);
+                }
+            }
+        }
+        // Not idle either.
+        assert!(worst > 1e-6, "{worst:e}");
+    }
+}

@@ -2,6 +2,7 @@
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::PenaltyMass;
+use bipenalty::schemes::SchemeName;
 use bipenalty::stability::{AnyModel, AnyScene, Asking, EngineName};
 
 use crate::bars::{as_matrices, bars};
@@ -70,6 +71,11 @@ fn what_does_not_apply_is_refused() {
     let consistent = AnyModel::Mesh(Box::new(as_matrices(&bars("signorini", 4, MassMatrix::CONSISTENT))));
     assert_eq!(place(&matrices, Asking { memory: Some(10), ..usual() }), "");
     assert_eq!(place(&consistent, Asking { memory: Some(10), ..usual() }), "mass matrix");
+    // Park limits are proven or refused: evidence by chance has no proof that K is semidefinite.
+    let park = || Asking { limit: SchemeName::Park.into(), ..usual() };
+    assert_eq!(place(&matrices, Asking { memory: Some(10), ..park() }), "limit");
+    assert_eq!(place(&matrices, park()), "");
+    assert_eq!(model.contour(0.5, (0.1, 10.0), (0.1, 10.0), &park()).unwrap_err().place, "contour");
     assert!(
         model.critical_step(-1.0, 1.0, &usual()).is_err() && model.critical_step(1.0, 0.0, &usual()).is_err()
     );

@@ -79,7 +79,7 @@ pub use error::PlotError;
 pub use isolines::isolines;
 pub use markup::literal;
 pub use model::{
-    At, Axis, ColourBar, ColourMap, DataPoint, Figure, Layer, Lettering, Naming, Panel, Scale, Side, Source,
-    Width, styled,
+    At, Axis, ColourBar, ColourMap, DataPoint, Figure, Layer, Lettering, Naming, Panel, ROUND, Scale, Side,
+    Source, Width, styled,
 };
 pub use tex::TexSource;

@@ -235,9 +235,11 @@ pub enum At {
     Y(f64),
 }
 
-/// The style of this colour and dash, each the index of a style below 9.
+/// Styles of a round: one more has the same colour and shape, filled where it was open.
+pub const ROUND: usize = 9;
+
+/// The style of this colour and dash, each the index of a style below [`ROUND`].
 pub fn styled(colour: usize, dash: usize) -> usize {
-    const ROUND: usize = 9;
     let (colour, dash) = (colour % ROUND, dash % ROUND);
     colour + ROUND * ((dash + ROUND - colour) % ROUND)
 }

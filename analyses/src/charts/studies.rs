@@ -3,7 +3,7 @@
 use super::maps::number;
 use crate::record::{Number, StudyRow};
 use bipenalty::schemes::SchemeName;
-use figure::{At, Axis, Figure, Layer, Naming, Panel, Width, literal};
+use figure::{At, Axis, Figure, Layer, Naming, Panel, ROUND, Width, literal};
 
 /// Errors below are drawn here: they are rounding.
 const LEAST: f64 = 1e-15;
@@ -25,10 +25,10 @@ fn lines(rows: &[StudyRow]) -> Vec<Line> {
     found
 }
 
-/// The style of a scheme, and of the same scheme at another ratio than 1.
+/// The colour and shape of a scheme, filled or open at another ratio than 1.
 fn style((scheme, ratio): Line) -> usize {
     let place = SchemeName::ALL.iter().position(|known| known.name() == scheme).unwrap_or(0);
-    if ratio == 1.0 { place } else { place + SchemeName::ALL.len() }
+    if ratio == 1.0 { place } else { place + ROUND }
 }
 
 fn title((scheme, ratio): Line, all: &[Line]) -> String {

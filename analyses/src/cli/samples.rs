@@ -54,53 +54,32 @@ impl Claim<'_> {
     }
 }
 
-impl<'a> From<&'a StabilityRow> for Claim<'a> {
-    fn from(row: &'a StabilityRow) -> Self {
-        Self {
-            scene: &row.scene,
-            mass: &row.mass,
-            gamma: row.gamma,
-            elements: row.elements,
-            limit: row.limit,
-            parameter: None,
-            beta_s: row.stiffness_penalty.0,
-            ratio: Some(row.ratio.0),
-            bounds: row.lower.zip(row.upper),
+/// What rows of one kind claim: all kinds name these columns alike but for the two that are given.
+macro_rules! claims {
+    ($rows:ty, parameter: $parameter:expr, ratio: $ratio:expr) => {
+        impl<'a> From<&'a $rows> for Claim<'a> {
+            fn from(row: &'a $rows) -> Self {
+                let (parameter, ratio): (fn(&$rows) -> Option<Number>, fn(&$rows) -> Option<f64>) =
+                    ($parameter, $ratio);
+                Self {
+                    scene: &row.scene,
+                    mass: &row.mass,
+                    gamma: row.gamma,
+                    elements: row.elements,
+                    limit: row.limit,
+                    parameter: parameter(row),
+                    beta_s: row.stiffness_penalty.0,
+                    ratio: ratio(row),
+                    bounds: row.lower.zip(row.upper),
+                }
+            }
         }
-    }
+    };
 }
 
-impl<'a> From<&'a CostRow> for Claim<'a> {
-    fn from(row: &'a CostRow) -> Self {
-        Self {
-            scene: &row.scene,
-            mass: &row.mass,
-            gamma: row.gamma,
-            elements: row.elements,
-            limit: row.limit,
-            parameter: row.parameter,
-            beta_s: row.stiffness_penalty.0,
-            ratio: Some(row.ratio.0),
-            bounds: row.lower.zip(row.upper),
-        }
-    }
-}
-
-impl<'a> From<&'a OptimalRatioRow> for Claim<'a> {
-    fn from(row: &'a OptimalRatioRow) -> Self {
-        Self {
-            scene: &row.scene,
-            mass: &row.mass,
-            gamma: row.gamma,
-            elements: row.elements,
-            limit: row.limit,
-            parameter: None,
-            beta_s: row.stiffness_penalty.0,
-            ratio: None,
-            bounds: row.lower.zip(row.upper),
-        }
-    }
-}
+claims!(StabilityRow, parameter: |_| None, ratio: |row| Some(row.ratio.0));
+claims!(CostRow, parameter: |row| row.parameter, ratio: |row| Some(row.ratio.0));
+claims!(OptimalRatioRow, parameter: |_| None, ratio: |_| None);
 
 impl Samples {
     /// The rows of a file from the run `origin`.

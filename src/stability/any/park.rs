@@ -70,7 +70,9 @@ impl MeshModel {
                 }
                 let rate = r.get() * reference;
                 let rates = (rate, rate * (1.0 + error + 2.0 * f64::EPSILON));
-                let share = flexibilities.limit(1.0 / b.get(), rates, width - 8.0 * f64::EPSILON);
+                // What the reference is not known to is part of the width.
+                let left = (width - 2.0 * error).max(0.5 * width) - 16.0 * f64::EPSILON;
+                let share = flexibilities.limit(1.0 / b.get(), rates, left);
                 of_share(share, flexibilities.top(), free.l, width)
             };
             Ok(Found { steps: pairs(grid).map(at).collect(), engine: ENGINE, error })
