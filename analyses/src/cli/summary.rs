@@ -227,7 +227,7 @@ pub fn tabulate_ratios(rows: &[OptimalRatioRow]) -> Vec<String> {
 
 /// Prints one line a scheme: the cheapest and the dearest penalty of each ratio.
 pub fn print_costs(rows: &[CostRow]) {
-    let header = ["scene", "mass", "scheme", "forces a step", "r", "cost / contact-free central difference"];
+    let header = ["scene", "mass", "scheme", "forces a step", "r", "relative cost"];
     let curves = rows.chunk_by(|a, b| {
         (&a.scene, &a.mass, a.limit, a.parameter, a.ratio)
             == (&b.scene, &b.mass, b.limit, b.parameter, b.ratio)
