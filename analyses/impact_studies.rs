@@ -133,18 +133,13 @@ impl Analysis for Options {
     }
 }
 
-/// One line a row of the finest mesh of each study.
+/// A table for each study, one line a row of its finest mesh.
 fn summarise(rows: &[StudyRow]) {
-    let finest = |row: &&StudyRow| {
-        rows.iter().filter(|other| other.study == row.study).all(|other| other.cells <= row.cells)
-    };
-    let number = |x: Option<Number>| x.map_or("-".to_owned(), |x| format!("{:.4e}", x.0));
+    let number = |x: Option<Number>| x.map_or("-".to_owned(), |x| format!("{:.2e}", x.0));
     let line = |row: &StudyRow| {
         vec![
-            row.study.to_owned(),
             row.scheme.to_owned(),
-            row.cells.to_string(),
-            format!("{}", row.stiffness_penalty.0),
+            format!("{:e}", row.stiffness_penalty.0),
             format!("{}", row.ratio.0),
             format!("{:.4}", row.relative_courant.0),
             number(row.force_error),
@@ -155,19 +150,13 @@ fn summarise(rows: &[StudyRow]) {
             number(row.seconds),
         ]
     };
-    let header = [
-        "study",
-        "scheme",
-        "cells",
-        "beta_s",
-        "r",
-        "C",
-        "force error",
-        "impulse error",
-        "overshoot",
-        "variation",
-        "energy ratio",
-        "seconds",
-    ];
-    print_table(&header, rows.iter().filter(finest).map(line));
+    let header = ["scheme", "beta_s", "r", "C", "force", "impulse", "overshoot", "variation", "energy", "s"];
+    for study in rows.chunk_by(|a, b| a.study == b.study) {
+        let finest = study.iter().map(|row| row.cells).max().unwrap_or(0);
+        eprintln!(
+            "{}, {finest} cells: errors of force and impulse, energy at the end over that at the start",
+            study[0].study
+        );
+        print_table(&header, study.iter().filter(|row| row.cells == finest).map(line));
+    }
 }

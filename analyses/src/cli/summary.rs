@@ -2,7 +2,7 @@
 //! it? Nothing here is called safe: contact that opens and closes may gain energy below its linear limit.
 
 use comfy_table::presets::NOTHING;
-use comfy_table::{CellAlignment, ContentArrangement, Table};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, Width};
 
 use super::Solved;
 use crate::record::{CostRow, GIVEN, ImpactRow, Number, OptimalRatioRow};
@@ -35,20 +35,12 @@ const CAUTION: &str = "The limits are linear, of closed contact. Contact that op
                        differences with a mass penalty did at every step measured; the predictor-corrector at r = 1/4 did not \
                        up to C = 0.99 (verify-limits --contact opening).";
 
-const HEADER: [&str; 8] = [
-    "linear limit at r = 1",
-    "kept by r = 1",
-    "scene",
-    "elements",
-    "mass",
-    "C_r contact-free",
-    "smallest C_r (beta_s, r)",
-    "time",
-];
+const HEADER: [&str; 7] =
+    ["limit at r = 1", "kept", "scene", "elements", "mass", "C_r free", "smallest C_r (beta_s, r)"];
 
 /// What the letters of a summary stand for.
-pub(super) const WORDS: &str = "C_r: critical Courant number c0 dt_cr/h (of meshes omega_ref dt_cr/2); beta_s: contact stiffness over \
-                                E A/h; r: ratio of stiffness to mass penalty, 1 keeps the contact-free limit.";
+pub(super) const WORDS: &str = "Limit: of the linear scheme with closed contact; kept: r = 1 costs none of it; C_r: critical Courant \
+                                number c0 dt_cr/h (of meshes omega_ref dt_cr/2), free: without contact; beta_s: contact stiffness over E A/h; r: ratio of stiffness to mass penalty, 1 keeps the contact-free limit.";
 
 impl MapSummary {
     /// The summary of `solved`.
@@ -106,14 +98,14 @@ impl MapSummary {
     }
 
     fn cells(&self) -> Vec<String> {
-        let mut time = format!("{} in {}", count(self.points), duration(self.seconds));
+        let mut verdict = self.verdict.clone();
         if self.uncertified > 0 {
-            time += &format!(", {} not certified", self.uncertified);
+            verdict += &format!(", {} not certified", count(self.uncertified));
         }
         let lowest = self.lowest.as_ref();
         vec![
             self.linear_limit.clone(),
-            self.verdict.clone(),
+            verdict,
             self.scene.clone(),
             self.elements.map_or("-".to_owned(), |n| n.to_string()),
             self.mass.clone(),
@@ -121,7 +113,6 @@ impl MapSummary {
             lowest.map_or("-".to_owned(), |(courant, bound, at)| {
                 format!("{}{courant:.4e} {at}", if *bound { "at least " } else { "" })
             }),
-            time,
         ]
     }
 }
@@ -199,6 +190,8 @@ pub fn print_summaries(summaries: &[MapSummary]) {
         }
     }
     print_table(&HEADER, merged.iter().map(MapSummary::cells));
+    let points = merged.iter().map(|summary| summary.points).sum();
+    eprintln!("{} in {}", count(points), duration(merged.iter().map(|summary| summary.seconds).sum()));
     say(WORDS);
     if merged.iter().any(|summary| summary.touches) {
         say(CAUTION);
@@ -255,25 +248,12 @@ pub fn print_costs(rows: &[CostRow]) {
     print_table(&header, curves.map(cells));
 }
 
-/// Prints one line a run.
+/// Prints one line a run, a table for each scene and mass.
 pub fn print_impacts(rows: &[ImpactRow]) {
-    let header = [
-        "scene",
-        "mass",
-        "scheme",
-        "beta_s",
-        "r",
-        "force error",
-        "steady g/h",
-        "energy ratio",
-        "switches",
-        "ending",
-    ];
+    let header = ["scheme", "beta_s", "r", "force error", "steady g/h", "energy ratio", "switches", "ending"];
     let optional = |x: Option<Number>| x.map_or("-".to_owned(), |x| format!("{:.4e}", x.0));
     let cells = |row: &ImpactRow| {
         vec![
-            row.scene.clone(),
-            row.mass.clone(),
             row.scheme.to_owned(),
             short(row.stiffness_penalty.0),
             short(row.ratio.0),
@@ -284,7 +264,10 @@ pub fn print_impacts(rows: &[ImpactRow]) {
             row.ending.clone(),
         ]
     };
-    print_table(&header, rows.iter().map(cells));
+    for rows in rows.chunk_by(|a, b| (&a.scene, &a.mass) == (&b.scene, &b.mass)) {
+        eprintln!("{}, {} mass", rows[0].scene, rows[0].mass);
+        print_table(&header, rows.iter().map(cells));
+    }
     let more = rows.iter().filter(|row| row.ending.contains("times its energy")).count();
     if more > 0 {
         let all = rows.len();
@@ -334,16 +317,29 @@ fn wrapped(text: &str, columns: usize) -> String {
 /// Columns of a summary: what fits on a page and into half a screen.
 const COLUMNS: u16 = 100;
 
-/// Prints a plain table on standard error; cells that do not fit go on in a second line.
+/// Prints a plain table on standard error; cells that do not fit go on in a second line, between words.
 pub fn print_table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
+    eprintln!("{}", arranged(header, rows));
+}
+
+fn arranged(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    const APART: u16 = 2;
+    let longest = |text: &str| text.split_whitespace().map(|word| word.chars().count()).max().unwrap_or(0);
+    let mut words: Vec<usize> = header.iter().map(|cell| longest(cell)).collect();
     let mut table = Table::new();
     table.load_preset(NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(COLUMNS);
     table.set_header(header.iter().map(|cell| cell.to_string()));
-    table.add_rows(rows);
-    for column in table.column_iter_mut() {
-        column.set_padding((0, 2)).set_cell_alignment(CellAlignment::Left);
+    for row in rows {
+        words.iter_mut().zip(&row).for_each(|(word, cell)| *word = longest(cell).max(*word));
+        table.add_row(row);
     }
-    eprintln!("{}", table.trim_fmt());
+    for (column, word) in table.column_iter_mut().zip(words) {
+        // A column is counted with its padding.
+        let least = u16::try_from(word).unwrap_or(COLUMNS).saturating_add(APART);
+        column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(least)));
+        column.set_padding((0, APART)).set_cell_alignment(CellAlignment::Left);
+    }
+    table.trim_fmt()
 }
 
 /// A number as short as it can be written.
@@ -374,5 +370,16 @@ mod tests {
         let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(words(&lines), words(CAUTION));
         assert_eq!(wrapped("one", 2), "one");
+    }
+
+    #[test]
+    fn tables_break_between_words() {
+        let words = ["predictor-corrector", "finished with 5.0 times its energy", "1.2345e-6"];
+        let row: Vec<String> = words.iter().cycle().take(9).map(|word| (*word).to_owned()).collect();
+        let table = arranged(&["a header"; 9], [row]);
+        for word in words.iter().flat_map(|text| text.split(' ')) {
+            assert_eq!(table.matches(word).count(), 3, "{word}:\n{table}");
+        }
+        assert!(table.lines().count() > 2);
     }
 }
