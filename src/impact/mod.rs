@@ -30,7 +30,7 @@ pub use history::{Ending, History, Recording, StressField};
 pub use mesh::Mesh;
 pub use needs::least_every;
 pub use passage::Passage;
-pub use record::{Outcome, Record};
+pub use record::{Kept, Outcome, Record};
 pub(crate) use run::contact_free_step;
 pub use run::{MAX_STEPS, Run};
 pub use summary::Summary;

@@ -38,17 +38,40 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Kinetic, strain and penalty energy at the end, less the work of the load, over that at the start, and what rounding may
-    /// make of it: each step rounds each of the sums of the balance, which the energies keep to 4 epsilon a step of the largest.
-    /// `None` where nothing moves at the start, and where the passage has blown up.
-    pub fn energy_ratio(&self) -> Option<(f64, f64)> {
-        let [first, last] = self.energy;
-        let (start, work) = (first.stored(), last.body_work - first.body_work);
-        let largest =
-            [start, work, last.stored(), last.loss].into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let rounding = 4.0 * f64::EPSILON * (self.steps + 1) as f64 * largest / start;
+    /// The energy at the end; `None` where nothing moves at the start, and where the passage has blown up.
+    pub fn kept(&self) -> Option<Kept> {
         let blown_up = matches!(self.ending, Ending::BlewUp { .. });
-        (!blown_up && start >= f64::MIN_POSITIVE).then(|| ((last.stored() - work) / start, rounding))
+        if blown_up { None } else { Kept::of(self.energy, 0.0, self.steps) }
+    }
+}
+
+/// The energy at the end of a run, beside that at its start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kept {
+    /// Kinetic, strain and penalty energy at the end, less the work of the load, over that at the start.
+    pub ratio: f64,
+    /// Whether `ratio` is above 1 by more than rounding.
+    pub more: bool,
+    /// Whether contact has added to the energy that the scheme keeps without it, by more than rounding.
+    pub gained: bool,
+}
+
+impl Kept {
+    /// Of the first and the last energies, with what the load can still give at the start, after this many steps. Each step
+    /// rounds each of the sums of the balance, which the energies keep to 4 epsilon a step of the largest of them. `None`
+    /// where there is nothing to divide by: below, energies are subnormal and have lost their digits.
+    pub(super) fn of([first, last]: [Energy; 2], available: f64, steps: u64) -> Option<Self> {
+        let work = last.body_work - first.body_work;
+        let (start, end) = (first.stored() + available, last.stored() + available - work);
+        let sizes = [start, available, work, last.stored(), last.loss];
+        let largest = sizes.into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let rounding = 4.0 * f64::EPSILON * (steps + 1) as f64 * largest;
+        let gained = last.gained - first.gained > rounding;
+        (start >= f64::MIN_POSITIVE).then(|| Self {
+            ratio: end / start,
+            more: end / start > 1.0 + rounding / start,
+            gained,
+        })
     }
 }
 

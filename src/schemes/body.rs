@@ -80,6 +80,7 @@ impl Body {
             penalty: 0.0,
             contact_work: state.contact_work,
             body_work: self.work(u),
+            gained: -state.balance_work,
             loss: 0.0,
         }
     }

@@ -9,7 +9,8 @@
 //! with a shadow and weights of the work of the contacts that each scheme states beside its step. They follow from the
 //! scheme by summation by parts; the loss is computed from accelerations and reactions, not as what is left over.
 
-/// The energies of a motion, J.
+/// The energies of a motion, J. Their sum at a time swings about what the scheme keeps by the shadow, O(dt^2 omega^2) of it: it
+/// may be above its start although contact has added nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
     /// v'M v/2 at the time of u.
@@ -22,6 +23,8 @@ pub struct Energy {
     pub contact_work: f64,
     /// f'u, whose change is the work of the body forces.
     pub body_work: f64,
+    /// What contact has added since the start to the energy that the scheme keeps without it: -balance_work.
+    pub gained: f64,
     /// Algorithmic loss; negative is a gain.
     pub loss: f64,
 }

@@ -140,7 +140,7 @@ impl Block {
             comparison.note(time, force, gap);
         })?;
         let seconds = if clock { Some(Number(seconds(&passage)?)) } else { None };
-        let summary = Summary::new(comparison.finish(), outcome.energy_ratio(), outcome.switches);
+        let summary = Summary::new(comparison.finish(), outcome.kept(), outcome.switches);
         Ok(StudyRow {
             study,
             scheme: facts.name,

@@ -104,9 +104,12 @@ pub struct ImpactRow {
     pub switches: u64,
     /// Steps done.
     pub steps: u64,
-    /// `finished`, `finished with 5.1 times its energy` where that is more than 1, or the step and time at which the run
-    /// blew up or was stopped.
+    /// `finished`, `finished with 5.1 times its energy` where that is more than 1 (` (none from contact)` where the scheme
+    /// alone makes it swing), or the step and time at which the run blew up or was stopped.
     pub ending: String,
+    /// Whether contact has added energy, and the run ended with more than it was given.
+    #[serde(skip)]
+    pub gained: bool,
     /// dt, s.
     pub time_step: Number,
     /// s = beta_s w, N/m, of the contact of smallest scale w, the softest.
@@ -141,10 +144,10 @@ impl ImpactRow {
 
     /// What was measured of a run that is not named yet.
     pub(super) fn measured(summary: &Summary, steps: u64, ending: Ending) -> Self {
-        let gained = match summary.energy_ratio.filter(|_| summary.more_energy) {
-            Some(ratio) => format!(" with {} times its energy", digits(ratio)),
-            None => String::new(),
-        };
+        let (source, ratio) =
+            (if summary.gained { "" } else { " (none from contact)" }, summary.energy_ratio);
+        let energy = ratio.filter(|_| summary.more_energy);
+        let more = energy.map_or(String::new(), |x| format!(" with {} times its energy{source}", digits(x)));
         Self {
             scene: String::new(),
             mass: String::new(),
@@ -158,10 +161,11 @@ impl ImpactRow {
             switches: summary.switches,
             steps,
             ending: match ending {
-                Ending::Finished => "finished".to_owned() + &gained,
-                Ending::Stopped { step, time } => format!("stopped at step {step} (t = {time:e} s){gained}"),
+                Ending::Finished => "finished".to_owned() + &more,
+                Ending::Stopped { step, time } => format!("stopped at step {step} (t = {time:e} s){more}"),
                 Ending::BlewUp { step, time } => format!("blew up by step {step} (t = {time:e} s)"),
             },
+            gained: summary.gained && summary.more_energy,
             time_step: Number(0.0),
             penalty_stiffness: None,
             penalty_mass: None,

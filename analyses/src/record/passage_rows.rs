@@ -154,7 +154,7 @@ impl ImpactRow {
         comparison: Option<Comparison>,
     ) -> Self {
         let accuracy = comparison.map(Comparison::finish).unwrap_or_default();
-        let summary = Summary::new(accuracy, outcome.energy_ratio(), outcome.switches);
+        let summary = Summary::new(accuracy, outcome.kept(), outcome.switches);
         let courant = passage.time_step() / passage.encounter().critical_step();
         let penalties = softest_penalties(passage.encounter().pencil(), beta_s, ratio);
         Self {
