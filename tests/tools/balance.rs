@@ -80,10 +80,7 @@ fn a_run_that_gains_energy_says_so() {
     let swings =
         "signorini --mass lumped --beta-s 1e4 --relative-courant 0.95 --stdout csv --scheme buffered";
     let out = run_program(CONTACT_IMPACT, &scratch, &swings.split(' ').collect::<Vec<_>>());
-    assert_eq!(
-        column(&out.stdout, "ending"),
-        ["finished with 1.00098 times its energy (none from contact)"]
-    );
+    assert_eq!(column(&out.stdout, "ending"), ["finished with 1.00098 times its energy (none from contact)"]);
     assert!(!out.stderr.contains("more energy"), "{}", out.stderr);
 }
 
