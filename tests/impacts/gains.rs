@@ -63,11 +63,11 @@ fn rounding(steps: u64) -> f64 {
 
 const STEPS: u64 = 300;
 
-/// The encounter of a case, bars and meshes by turns, and beta_s from 1/10 to 1e12.
+/// The encounter of a case, two meshes to a row of bars, and beta_s from 1/10 to 1e12.
 fn encounter(random: &mut Random, case: usize) -> (Encounter, f64) {
     let mass = random::mass(random);
     let encounter =
-        if case.is_multiple_of(2) { random::bars(random, mass) } else { random::mesh(random, mass) };
+        if case.is_multiple_of(3) { random::bars(random, mass) } else { random::mesh(random, mass) };
     (encounter, 10_f64.powf(random.between(-1.0, 12.0)))
 }
 
@@ -86,11 +86,11 @@ fn open_before(encounter: &Encounter, c: f64) -> Encounter {
 }
 
 #[test]
-fn three_schemes_gain_nothing_in_a_thousand_random_impacts() {
+fn three_schemes_gain_nothing_in_a_thousand_random_impacts_of_meshes() {
     use SchemeName::{Buffered, Lagrange, PredictorCorrector};
     let mut random = Random(7);
     let mut switches = 0;
-    for case in 0..1000 {
+    for case in 0..1500 {
         let (encounter, beta_s) = encounter(&mut random, case);
         let ratio = random.one(&[0.05, 0.25, 0.6, 1.0, 3.0, f64::INFINITY]);
         let c: f64 = random.one(&[0.3, 0.5, 0.77, 0.9, 0.99, 0.99, 0.9999]);
