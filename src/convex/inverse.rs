@@ -39,6 +39,18 @@ impl Line {
 impl<S: Source> Curve<S> {
     /// Where f passes l >= f(0), to `tolerance` relative as far as proofs reach.
     pub fn passing(&mut self, l: f64, tolerance: f64) -> Passing {
+        let upper = self.passed(l, tolerance);
+        if !self.source.has_contacts() {
+            return Passing { lower: self.upper.reach(l), upper };
+        }
+        if upper.is_finite() && upper > 0.0 && self.upper.reach(l) < upper * (1.0 - tolerance) {
+            self.prove_before(l, upper, tolerance);
+        }
+        Passing { lower: self.upper.reach(l).min(upper), upper }
+    }
+
+    /// The t beyond which f is above l >= f(0), as [`Curve::passing`] has it; no proof is needed to know that it is.
+    pub fn passed(&mut self, l: f64, tolerance: f64) -> f64 {
         self.options.tolerance = tolerance;
         let mut upper = self.beyond(l);
         for _ in 0..MOST_STEPS {
@@ -54,13 +66,7 @@ impl<S: Source> Curve<S> {
                 break;
             }
         }
-        if !self.source.has_contacts() {
-            return Passing { lower: self.upper.reach(l), upper };
-        }
-        if upper.is_finite() && upper > 0.0 && self.upper.reach(l) < upper * (1.0 - tolerance) {
-            self.prove_before(l, upper, tolerance);
-        }
-        Passing { lower: self.upper.reach(l).min(upper), upper }
+        upper
     }
 
     /// The smallest t beyond which some line lies above l.

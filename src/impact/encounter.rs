@@ -3,13 +3,11 @@
 //! A mesh brings its matrices, contacts and the velocities of its bodies; a row of bars its model; anything else a
 //! [`Pencil`]. Contact is unilateral at every gap.
 
-use rayon::prelude::*;
-
 use super::Mesh;
 use super::run::contact_free_step;
 use crate::error::Refusal;
-use crate::mesh::{Assembled, Elements, HELD, MeshImpact};
-use crate::pencil::{Bounds, Gap, Matrix, Penalty, Pencil};
+use crate::mesh::{Elements, HELD};
+use crate::pencil::{Gap, Penalty, Pencil};
 use crate::stability::Model;
 
 /// Bodies, how they move at the start, and what pulls at them. Cheap to clone but for the vectors.
@@ -58,31 +56,6 @@ impl Encounter {
         Self::new(model.pencil(), mesh.velocity(), mesh.load(), contact_free_step(model)?)
     }
 
-    /// The bodies of a mesh with their velocities, under the gravity of `impact`; its gaps are those of the assembled
-    /// contacts. `l_max` is an upper bound of the largest eigenvalue of (K, M), which gives the critical step, and
-    /// `reference` the omega^2 in which penalty ratios are measured, both in rad^2/s^2.
-    ///
-    /// # Errors
-    /// As [`Encounter::new`]; matrices that are no pencil.
-    pub fn of_mesh(
-        assembled: &Assembled,
-        impact: &MeshImpact,
-        l_max: f64,
-        reference: f64,
-    ) -> Result<Self, Refusal> {
-        let Assembled { stiffness, mass, elements, .. } = assembled;
-        let stiffness = Matrix::Sparse(stiffness.clone());
-        let bounds = bounds(&stiffness, mass, elements)?;
-        let pencil =
-            Pencil::of_checked_elements(stiffness, mass.clone(), assembled.gaps(), bounds, reference)?;
-        let velocity = of_unknowns(elements, |body| elements.bodies[body].velocity);
-        let load = match impact.gravity == [0.0; 3] {
-            true => Vec::new(),
-            false => weight(&pencil, &of_unknowns(elements, |_| impact.gravity)),
-        };
-        Self::new(pencil, velocity, load, 2.0 / l_max.sqrt())
-    }
-
     /// The same bodies with other initial gaps g0, m, one a contact; negative where open.
     ///
     /// # Errors
@@ -103,6 +76,14 @@ impl Encounter {
     /// As [`Encounter::new`].
     pub fn with_velocity(self, velocity: Vec<f64>) -> Result<Self, Refusal> {
         Self::new(self.pencil, velocity, self.load, self.critical_step)
+    }
+
+    /// The same bodies under other constant nodal forces, N; empty for none.
+    ///
+    /// # Errors
+    /// As [`Encounter::new`].
+    pub fn with_load(self, load: Vec<f64>) -> Result<Self, Refusal> {
+        Self::new(self.pencil, self.velocity, load, self.critical_step)
     }
 
     /// f, N; empty for none.
@@ -149,22 +130,4 @@ pub(super) fn weight(pencil: &Pencil, acceleration: &[f64]) -> Vec<f64> {
     let mut load = vec![0.0; pencil.size()];
     pencil.mass().multiply(acceleration, &mut load);
     load
-}
-
-/// Bounds by D = diag(M): rows of |K| over D, and of each element D <= c M_e, |M_e| <= c M_e.
-fn bounds(stiffness: &Matrix, mass: &Matrix, elements: &Elements) -> Result<Bounds, Refusal> {
-    let quotient = |i: usize| stiffness.row(i).map(|(_, k)| k.abs()).sum::<f64>() / mass.diagonal(i);
-    // The longest rows, of hex20, have 243 entries: as many roundings, and a division.
-    let rows = (0..stiffness.size()).map(quotient).fold(0.0, f64::max) * (1.0 + 256.0 * f64::EPSILON);
-    if mass.is_diagonal() {
-        return Ok(Bounds { stiffness: rows, mass: 1.0 });
-    }
-    let condition = |e: usize| {
-        let (_, m) = elements.matrices(e)?;
-        let refusal = || Refusal::new("mass", format!("element {e}"), "a positive definite mass");
-        Ok(Bounds::of_element(&m, &m, m.len().isqrt()).ok_or_else(refusal)?.mass)
-    };
-    let larger = |a: f64, b: f64| Ok(a.max(b));
-    let condition = (0..elements.len()).into_par_iter().map(condition).try_reduce(|| 1.0, larger)?;
-    Ok(Bounds { stiffness: rows * condition, mass: condition })
 }

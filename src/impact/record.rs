@@ -97,6 +97,12 @@ impl Record {
         self.energy.push(motion.energy());
     }
 
+    /// How the passage went, which its first and its last row tell with it; `None` without a row.
+    pub fn outcome(&self) -> Option<Outcome> {
+        let energy = [*self.energy.first()?, *self.energy.last()?];
+        Some(Outcome { energy, switches: self.switches, steps: self.steps, ending: self.ending })
+    }
+
     /// lambda of one contact, row by row, N.
     pub fn forces(&self, contact: usize) -> impl Iterator<Item = f64> + '_ {
         self.force.iter().skip(contact).step_by(self.contacts.max(1)).copied()

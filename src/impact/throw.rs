@@ -27,17 +27,32 @@ impl Encounter {
                 Ok(Self::new(pencil, velocity, load, step)?)
             }
             (AnyScene::Matrices(scene), AnyModel::Mesh(mesh)) => {
-                let (pencil, step) = stepping(model, mesh)?;
-                let Some(impact) = &scene.impact else {
-                    let rest = vec![0.0; pencil.size()];
-                    return Ok(Self::new(pencil, rest, Vec::new(), step)?);
-                };
-                let throw = impact.read(pencil.size(), pencil.gaps().len())?;
-                Ok(Self::new(pencil, throw.velocity, throw.load, step)?.with_gaps(&throw.gaps)?)
+                let rest = Self::at_rest(model, mesh)?;
+                let Some(impact) = &scene.impact else { return Ok(rest) };
+                let throw = impact.read(rest.pencil.size(), rest.pencil.gaps().len())?;
+                let thrown = rest.with_velocity(throw.velocity)?.with_load(throw.load)?;
+                Ok(thrown.with_gaps(&throw.gaps)?)
             }
             (AnyScene::Bars(_), AnyModel::Bars(bars)) => Ok(Self::of_bars(bars)?),
             _ => Err(stranger(model).into()),
         }
+    }
+
+    /// What a model without a scene is: bars as theirs has them thrown, matrices at rest with nothing that pulls.
+    ///
+    /// # Errors
+    /// A contact-free limit that is not enclosed.
+    pub fn of_model(model: &AnyModel) -> Result<Self> {
+        match model {
+            AnyModel::Bars(bars) => Ok(Self::of_bars(bars)?),
+            AnyModel::Mesh(mesh) => Self::at_rest(model, mesh),
+        }
+    }
+
+    fn at_rest(model: &AnyModel, mesh: &MeshModel) -> Result<Self> {
+        let (pencil, step) = stepping(model, mesh)?;
+        let rest = vec![0.0; pencil.size()];
+        Ok(Self::new(pencil, rest, Vec::new(), step)?)
     }
 }
 

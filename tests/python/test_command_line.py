@@ -7,7 +7,7 @@ import bipenalty as bp
 import numpy as np
 import pytest
 from conftest import ROOT
-from scipy.io import mmwrite
+from scipy.io import mmread, mmwrite
 
 BETA_S = [0.0, 1e-3, 0.5, 1.0, 3.7, 10.0, 1e3, 1e6, 1e9, 1e12]
 RATIO = [0.25, 1.0, 1.7, 30.0, np.inf]
@@ -212,6 +212,111 @@ def test_impact(tmp_path, scheme):
         assert [float(row[name]) for row in rows] == values.tolist()
     for name in ("time", "kinetic_energy", "strain_energy", "contact_work", "penalty_energy", "body_work", "loss"):
         assert [float(row[name]) for row in rows] == getattr(run, name).tolist(), name
+
+
+ENERGIES = ("kinetic_energy", "strain_energy", "contact_work", "penalty_energy", "body_work", "loss")
+
+
+def assert_same_impact(folder, scene, run, *typed):
+    """Every row, every contact and the summary of the tool are those of the package, to the bit."""
+    tool = ROOT / "target" / "release" / "contact-impact"
+    typed = ["--scheme", run.scheme, "--beta-s", repr(run.beta_s), "--ratio", repr(run.ratio), *typed]
+    subprocess.run([tool, scene, *typed, "--format", "csv", "--out", folder, "--quiet"], check=False)
+    (summary,) = csv.DictReader((folder / "summary.csv").open())
+    (contacts,) = folder.glob("*-contacts.csv")
+    rows = list(csv.DictReader((folder / contacts.name.replace("-contacts", "")).open()))
+    contacts = list(csv.DictReader(contacts.open()))
+    for name, values in {"contact_force": run.contact_force, "gap": run.gap}.items():
+        assert [float(row[name]) for row in contacts] == values.ravel().tolist(), name
+    assert [int(row["contact"]) for row in contacts[: run.gap.shape[1]]] == list(range(1, run.gap.shape[1] + 1))
+    for name in ("time", *ENERGIES):
+        assert [float(row[name]) for row in rows] == getattr(run, name).tolist(), name
+    assert [float(row["largest_gap"]) for row in rows] == run.gap.max(axis=1).tolist()
+    exact = [row["exact_force"] for row in rows]
+    assert exact == [""] * len(rows) if run.exact_force is None else list(map(float, exact)) == run.exact_force.tolist()
+    for name in ("time_step", "force_error", "energy_ratio", "switches"):
+        value = getattr(run, name)
+        assert summary[name] == "" if value is None else float(summary[name]) == value, name
+    return rows, summary
+
+
+IMPACT = """
+[impact]
+duration = 4e-3
+gaps = [1e-4]
+gravity = [0.0, -3e4]
+"""
+MATRIX_IMPACT = """
+[impact]
+duration = 4e-3
+velocity = "v.mtx"
+load = "f.mtx"
+gaps = "g.mtx"
+"""
+SCHEMES = ["central-difference", "predictor-corrector", "park", "buffered", "lagrange"]
+
+
+@pytest.fixture
+def thrown_file(scene_file):
+    """Return the scene with bodies on their way to each other; vectors that matrices need lie beside it."""
+    text = scene_file.read_text()
+    if "[[body]]" in text:
+        text = text.replace("density = 2700.0", "density = 2700.0\nvelocity = [0.3, -2.0]") + IMPACT
+        text = text.replace("density = 7850.0", "density = 7850.0\nvelocity = [0.0, 0.1]")
+    else:
+        text += MATRIX_IMPACT
+        model, rng = bp.Model.from_scene(scene_file), np.random.default_rng(3)
+        n, k = model.unknowns, model.contacts
+        vectors = {"v": rng.uniform(-2, 2, n), "f": rng.uniform(-1e5, 1e5, n), "g": rng.uniform(-2e-4, 1e-5, k)}
+        for name, vector in vectors.items():
+            mmwrite(scene_file.parent / f"{name}.mtx", vector[:, np.newaxis], precision=17)
+    scene_file.write_text(text)
+    return scene_file
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_impacts_of_meshes_and_matrices(thrown_file, tmp_path, scheme):
+    run = bp.Model.from_scene(thrown_file).impact(30.0, 0.25, scheme=scheme, relative_courant=0.7, every=3)
+    typed = ["--relative-courant", "0.7", "--every", "3"]
+    rows, summary = assert_same_impact(tmp_path / "out", thrown_file, run, *typed)
+    assert len(rows) > 20
+    assert run.switches > 0
+    assert run.contact_force.max() > 0.0
+    assert np.ptp(run.body_work) > 0.0
+    # A step more than was asked for, or none, would be another run.
+    assert run.steps == round(float(rows[-1]["time"]) / run.time_step)
+    assert (summary["energy_ratio"] == "") == (run.energy_ratio is None)
+
+
+@pytest.mark.parametrize("scene_file", ["matrices"], indirect=True)
+def test_impact_of_matrices_in_memory(thrown_file, tmp_path):
+    """What is given by keyword is what files of the scene give."""
+    K, M, Z, w = bp.Model.from_scene(thrown_file).matrices()
+    vectors = {name: mmread(thrown_file.parent / f"{name[0]}.mtx").ravel() for name in ("velocity", "gaps")} | {
+        "load": mmread(thrown_file.parent / "f.mtx").ravel()
+    }
+    run = bp.Model.from_matrices(K, M, Z, scales=w).impact(30.0, np.inf, duration=4e-3, **vectors)
+    rows, _ = assert_same_impact(tmp_path / "out", thrown_file, run)
+    assert len(rows) > 50
+    # Each of the three replaces what the scene says.
+    scene = bp.Model.from_scene(thrown_file)
+    for name, vector in vectors.items():
+        other = scene.impact(30.0, np.inf, **{name: 0.5 * vector})
+        assert (other.energy != run.energy).any(), name
+        again = scene.impact(30.0, np.inf, **{name: vector})
+        assert (again.energy == run.energy).all(), name
+
+
+def test_impact_of_a_box_that_moves_as_a_bar(tmp_path):
+    """A mesh with an exact solution is compared with it, as the tool does."""
+    scene = ROOT / "analyses" / "scenes" / "plane-impact.toml"
+    model = bp.Model.from_scene(scene)
+    run = model.impact(1e3, 1.0)
+    assert_same_impact(tmp_path / "out", scene, run)
+    assert run.exact_force.max() > 0.0
+    assert 0.0 < run.force_error < 1.0
+    # It is that of the scene only.
+    assert model.impact(1e3, 1.0, velocity=-0.1).exact_force is None
 
 
 def test_csv(tools, tmp_path):

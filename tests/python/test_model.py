@@ -165,10 +165,13 @@ def test_lower_bound():
 
 def test_results_can_be_copied():
     model = bp.Model.from_scene(BAR)
-    for result in (model.critical_step(1.0, 2.0), model.optimal_ratio(1.0), model.largest_penalty(4e-7, 2.0)):
+    most = model.largest_penalty(4e-7, 2.0)
+    assert most.lower < most < most.upper < np.inf
+    for result in (model.critical_step(1.0, 2.0), model.optimal_ratio(1.0), most):
         for again in (copy.copy(result), pickle.loads(pickle.dumps(result))):
             assert again == result
             assert repr(again) == repr(result)
+            assert (again.lower, again.upper) == (result.lower, result.upper)
 
 
 def line():

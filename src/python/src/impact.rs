@@ -4,13 +4,12 @@ use std::sync::Arc;
 
 use bipenalty::error::{Refusal, Result};
 use bipenalty::impact::{
-    Encounter, Ending, Exact, History, Mesh, Observer, Passage, Record, Recording, Run, Summary,
+    self, Comparison, Encounter, Ending, Exact, History, Mesh, Observer, Passage, Record, Recording, Run,
+    Summary,
 };
-use bipenalty::mesh::{Assembled, MeshImpact, Place, SurfaceContact};
 use bipenalty::penalty::{Ratio, StiffnessPenalty};
-use bipenalty::pencil::{Gap, Matrix};
-use bipenalty::schemes::{Energy, Motion, Scheme};
-use bipenalty::stability::{AnyModel, Asking, Model};
+use bipenalty::schemes::{Energy, Scheme};
+use bipenalty::stability::{AnyModel, AnyScene, Model};
 use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -35,13 +34,13 @@ impl AtStart<'_> {
     }
 }
 
-/// Steps through the impact of a model, and hands on its arrays and numbers by name. Of a mesh, `impact` is what its scene says.
+/// Steps through the impact of a model, and hands on its arrays and numbers by name. `scene` is that of the model, if it has one.
 ///
 /// # Errors
 /// What the run refuses, and what a signal or `progress` raises.
 pub fn run<'py>(
     py: Python<'py>,
-    (model, impact): (Arc<AnyModel>, Option<MeshImpact>),
+    (model, scene): (Arc<AnyModel>, Option<AnyScene>),
     scheme: Arc<dyn Scheme>,
     (pace, start): (Pace, AtStart<'py>),
     progress: Option<&Bound<'py, PyAny>>,
@@ -56,8 +55,9 @@ pub fn run<'py>(
         return thrown(py, of_bars(bars, scheme, &pace).map_err(refused)?, every, progress);
     }
     let start = start.vectors();
-    let prepare = move |_: &Watch| passage(&model, impact, scheme, pace, start);
-    passed(py, long(py, 1, None, prepare)?.map_err(failed)?, every, progress)
+    let prepare = move |_: &Watch| passage(&model, scene.as_ref(), scheme, pace, start);
+    let (passage, exact) = long(py, 1, None, prepare)?.map_err(failed)?;
+    passed(py, passage, exact, every, progress)
 }
 
 fn of_bars(model: &Model, scheme: Arc<dyn Scheme>, pace: &Pace) -> Result<Run, Refusal> {
@@ -70,69 +70,44 @@ fn of_bars(model: &Model, scheme: Arc<dyn Scheme>, pace: &Pace) -> Result<Run, R
     }
 }
 
-/// The passage of matrices or a mesh; dt_cr is the proven contact-free step.
+/// The passage of matrices or a mesh, and its exact force where the scene has one and nothing else was given.
 fn passage(
     model: &AnyModel,
-    impact: Option<MeshImpact>,
+    scene: Option<&AnyScene>,
     scheme: Arc<dyn Scheme>,
     pace: Pace,
-    [velocity, load, gaps]: [Option<Vec<f64>>; 3],
-) -> Result<Passage> {
+    start: [Option<Vec<f64>>; 3],
+) -> Result<(Passage, Option<Exact>)> {
     let Pace(beta_s, ratio, relative_courant, duration, _) = pace;
-    let penalty = model.penalty(StiffnessPenalty::new(beta_s)?, Ratio::new(ratio)?)?;
+    let (beta_s, ratio) = (StiffnessPenalty::new(beta_s)?, Ratio::new(ratio)?);
     let missing = |place: &str, allowed: &str| {
         let value = format!("none with scene {}", model.name());
-        Refusal::new(place, value, format!("{allowed}, or a scene of [[body]] with [impact]"))
+        Refusal::new(place, value, format!("{allowed}, or a scene with [impact]"))
     };
-    if impact.is_none() && velocity.is_none() && load.is_none() {
+    let mut throw = match scene {
+        Some(scene) => Encounter::of_scene(scene, model)?,
+        None => Encounter::of_model(model)?,
+    };
+    let of_scene = scene.and_then(|scene| impact::duration(scene).ok());
+    let still = throw.load().is_empty() && throw.velocity().iter().all(|v| *v == 0.0);
+    if still && of_scene.is_none() && start[0].is_none() && start[1].is_none() {
         return Err(missing("velocity", "a number for each unknown (m/s), or a load (N)").into());
     }
-    let duration = duration.or_else(|| impact.as_ref().map(|impact| impact.duration));
-    let duration = duration.ok_or_else(|| missing("duration", "a positive number (s)"))?;
-    let free = model.contact_free(&Asking::default())?.step?;
-    let critical_step = model.time_step(1.0)? * free.lower;
-    let own = encounter(model, impact, critical_step)?;
-    let initial: Vec<f64> = own.pencil().gaps().iter().map(|gap| gap.initial).collect();
-    let velocity = velocity.unwrap_or_else(|| own.velocity().to_vec());
-    let load = load.unwrap_or_else(|| own.load().to_vec());
-    let pencil = match model {
-        AnyModel::Mesh(model) => model.stepping_pencil()?,
-        AnyModel::Bars(model) => model.pencil(),
-    };
-    let encounter = Encounter::new(pencil, velocity, load, critical_step)?;
-    let encounter = encounter.with_gaps(&gaps.unwrap_or(initial))?;
-    Ok(Passage::new(encounter, scheme, penalty, relative_courant, duration)?)
-}
-
-/// The bodies as their scene has them thrown, or matrices at rest.
-fn encounter(model: &AnyModel, impact: Option<MeshImpact>, critical_step: f64) -> Result<Encounter, Refusal> {
-    let reference = model.reference()?;
-    let model = match model {
-        AnyModel::Bars(model) => return Encounter::of_bars(model),
-        AnyModel::Mesh(model) => model,
-    };
-    let (Some(elements), Some(places), Matrix::Sparse(stiffness)) =
-        (model.mesh(), model.places(), model.pencil().stiffness())
-    else {
-        let pencil = model.stepping_pencil()?;
-        let rest = vec![0.0; pencil.size()];
-        return Encounter::new(pencil, rest, Vec::new(), critical_step);
-    };
-    let contact = |(gap, place): (&Gap, &Place)| SurfaceContact {
-        column: gap.column.clone(),
-        scale: gap.scale,
-        initial_gap: gap.initial,
-        place: place.clone(),
-    };
-    let assembled = Assembled {
-        stiffness: stiffness.clone(),
-        mass: model.pencil().mass().clone(),
-        contacts: model.pencil().contacts().iter().zip(places).map(contact).collect(),
-        elements: elements.clone(),
-    };
-    let still = MeshImpact { duration: 0.0, gaps: Vec::new(), gravity: [0.0; 3] };
-    let l_max = 4.0 / (critical_step * critical_step);
-    Encounter::of_mesh(&assembled, &impact.unwrap_or(still), l_max, reference)
+    let duration = duration.or(of_scene).ok_or_else(|| missing("duration", "a positive number (s)"))?;
+    let exact = scene.filter(|_| start.iter().all(Option::is_none));
+    let exact = exact.and_then(|scene| impact::exact(scene, duration));
+    let [velocity, load, gaps] = start;
+    if let Some(velocity) = velocity {
+        throw = throw.with_velocity(velocity)?;
+    }
+    if let Some(load) = load {
+        throw = throw.with_load(load)?;
+    }
+    if let Some(gaps) = gaps {
+        throw = throw.with_gaps(&gaps)?;
+    }
+    let penalty = throw.penalty(beta_s.get(), ratio.get());
+    Ok((Passage::new(throw, scheme, penalty, relative_courant, duration)?, exact))
 }
 
 fn thrown<'py>(
@@ -155,17 +130,26 @@ fn thrown<'py>(
 fn passed<'py>(
     py: Python<'py>,
     passage: Passage,
+    exact: Option<Exact>,
     every: u64,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (steps, time_step) = (passage.steps() as usize, passage.time_step());
-    let record = long(py, steps, progress, move |watch: &Watch| {
+    // Gaps are compared with nothing: of any length.
+    let search = passage.scheme().facts().search;
+    let mut compared = exact.map(|exact| Comparison::new(exact, search, time_step, 1.0));
+    let (record, compared) = long(py, steps, progress, move |watch: &Watch| {
         let mut report = |done, _| watch.set(done);
         let told = Observer { stop: watch.stop(), report: &mut report };
-        passage.execute(every, Some(told), &mut |_: f64, _: &dyn Motion| ())
+        let record = passage.execute(every, Some(told), |time, motion| {
+            if let Some(compared) = &mut compared {
+                compared.note(time, motion.state().force.iter().sum(), 0.0);
+            }
+        })?;
+        Ok((record, compared))
     })?
     .map_err(refused)?;
-    of_record(py, &record, time_step)
+    of_record(py, &record, compared, time_step)
 }
 
 /// What histories and records have in common.
@@ -211,40 +195,38 @@ fn of_history<'py>(py: Python<'py>, run: &Run, history: &History) -> PyResult<Bo
     let gaps = history.relative_gap.iter().zip(lengths.iter().cycle()).map(|(gap, h)| gap * h).collect();
     named.set_item("relative_gap", of_contacts(py, history.time.len(), history.relative_gap.clone())?)?;
     named.set_item("gap", of_contacts(py, history.time.len(), gaps)?)?;
-    let summary = Summary::of(run, history);
     named.set_item("time_step", run.time_step())?;
     named.set_item("steps", history.steps)?;
-    named.set_item("switches", history.switches)?;
-    named.set_item("force_error", summary.force_error)?;
-    named.set_item("energy_ratio", summary.energy_ratio)?;
-    named.set_item("more_energy", summary.more_energy)?;
+    summarised(&named, &Summary::of(run, history))?;
     let exact = Exact::of(run.model().scene(), run.duration());
     let exact: Option<Vec<f64>> = exact.map(|exact| history.time.iter().map(|t| exact.force(*t)).collect());
     named.set_item("exact_force", exact.map(|force| force.into_pyarray(py)))?;
     Ok(named)
 }
 
-fn of_record<'py>(py: Python<'py>, record: &Record, time_step: f64) -> PyResult<Bound<'py, PyDict>> {
+fn of_record<'py>(
+    py: Python<'py>,
+    record: &Record,
+    compared: Option<Comparison>,
+    time_step: f64,
+) -> PyResult<Bound<'py, PyDict>> {
     let named = rows(py, &record.time, &record.force, &record.energy, record.ending)?;
     named.set_item("gap", of_contacts(py, record.time.len(), record.gap.clone())?)?;
+    named.set_item("relative_gap", py.None())?;
     named.set_item("time_step", time_step)?;
     named.set_item("steps", record.steps)?;
-    named.set_item("switches", record.switches)?;
-    let energy = energy_ratio(record).filter(|_| record.ending.is_finished());
-    named.set_item("energy_ratio", energy.map(|(ratio, _)| ratio))?;
-    named.set_item("more_energy", energy.is_some_and(|(ratio, rounding)| ratio > 1.0 + rounding))?;
-    for none in ["relative_gap", "exact_force", "force_error"] {
-        named.set_item(none, py.None())?;
-    }
+    let exact: Option<Vec<f64>> =
+        compared.as_ref().map(|compared| record.time.iter().map(|t| compared.expected(*t)).collect());
+    named.set_item("exact_force", exact.map(|force| force.into_pyarray(py)))?;
+    let accuracy = compared.map(Comparison::finish).unwrap_or_default();
+    let energy = record.outcome().and_then(|outcome| outcome.energy_ratio());
+    summarised(&named, &Summary::new(accuracy, energy, record.switches))?;
     Ok(named)
 }
 
-/// Energy at the end, without the work of the loads, over that at the start; and what rounding may make of it, as
-/// [`Summary`] has it of bars: 4 epsilon a step of the largest energy. None where there is nothing to divide by.
-fn energy_ratio(record: &Record) -> Option<(f64, f64)> {
-    let (first, last) = (record.energy.first()?, record.energy.last()?);
-    let start = first.stored();
-    let end = last.stored() - (last.body_work - first.body_work);
-    let rounding = 4.0 * f64::EPSILON * (record.steps + 1) as f64 * record.largest_energy() / start;
-    (start >= f64::MIN_POSITIVE).then(|| (end / start, rounding))
+fn summarised(named: &Bound<'_, PyDict>, summary: &Summary) -> PyResult<()> {
+    named.set_item("switches", summary.switches)?;
+    named.set_item("force_error", summary.force_error)?;
+    named.set_item("energy_ratio", summary.energy_ratio)?;
+    named.set_item("more_energy", summary.more_energy)
 }

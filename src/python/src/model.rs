@@ -6,7 +6,6 @@ use std::time::Instant;
 use bipenalty::error::Refusal;
 use bipenalty::fem::MassMatrix;
 use bipenalty::matrices::{Matrices, Reference};
-use bipenalty::mesh::MeshImpact;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
 use bipenalty::pencil::Matrix;
 use bipenalty::schemes::Onset;
@@ -39,8 +38,8 @@ pub struct Core {
     auto: Option<Auto>,
     /// Of matrices that are shared with arrays.
     fingerprint: Option<u64>,
-    /// What the scene of a mesh says of its impact.
-    impact: Option<MeshImpact>,
+    /// That the model was made of, if it was.
+    scene: Option<AnyScene>,
 }
 
 /// A step and its enclosure, s; the same as Courant numbers; omega_max, rad/s; evidence; engine.
@@ -61,7 +60,7 @@ impl Core {
             AnyModel::Bars(model) => Some(model.auto()),
             AnyModel::Mesh(_) => None,
         };
-        Self { model: Arc::new(model), auto, fingerprint: None, impact: None }
+        Self { model: Arc::new(model), auto, fingerprint: None, scene: None }
     }
 
     /// The model, whose shared arrays are what they were.
@@ -135,14 +134,10 @@ impl Core {
             };
             let scene = elements.map_or(Ok(scene.clone()), |elements| scene.with_elements(elements))?;
             let model = AnyModel::new(&scene, mass, form)?;
-            let impact = match scene {
-                AnyScene::Mesh(scene) => scene.impact,
-                AnyScene::Bars(_) | AnyScene::Matrices(_) => None,
-            };
-            Ok((model, impact))
+            Ok((model, scene))
         })?;
-        let (model, impact) = model.map_err(failed)?;
-        Ok(Self { impact, ..Self::new(model) })
+        let (model, scene) = model.map_err(failed)?;
+        Ok(Self { scene: Some(scene), ..Self::new(model) })
     }
 
     /// The model of matrices that are in memory; a reference of None is that of the mesh.
@@ -325,7 +320,7 @@ impl Core {
         start: impact::AtStart<'py>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let thrown = (self.model()?, self.impact.clone());
+        let thrown = (self.model()?, self.scene.clone());
         impact::run(py, thrown, scheme.scheme()?, (pace, start), progress)
     }
 

@@ -155,7 +155,7 @@ impl MeshModel {
         let lower = free.lower / reference * down;
         // f > u beyond t: with l = u the step is lost as soon as beta_s (1 - u/(r omega^2)) > t.
         let u = free.upper;
-        let t = self.with_curve(asking, |curve| Ok(curve.passing(u, asking.width(1)).upper))?;
+        let t = self.with_curve(asking, |curve| Ok(curve.passed(u, asking.width(1))))?;
         if t >= b {
             return Ok(None);
         }
@@ -202,7 +202,7 @@ impl MeshModel {
                 let line = (l / (4.0 * mu), 0.25 * x);
                 return Ok(if l >= free { on_line(line, beta_s, ratio) } else { Vec::new() });
             }
-            let t = curve.passing(l, asking.width(1)).upper;
+            let t = curve.passed(l, asking.width(1));
             Ok(if t.is_finite() { explicit(t, x, beta_s, ratio) } else { Vec::new() })
         })
     }
