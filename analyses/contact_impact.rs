@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use analyses::cli::{
-    Analysis, FinishedRun, Format, Kept, Output, OutputOptions, PlannedPassage, PlannedRun, Progress,
+    Analysis, FinishedRun, Format, Frame, Kept, Output, OutputOptions, PlannedPassage, PlannedRun, Progress,
     SceneOptions, StepOptions, Verdict, axis_word, check_memory, check_passages, check_stems, checked_grid,
     draw_impacts, draw_passages, execute, execute_passages, narrate, penalties_of, print_impacts, question,
     require_memory, write_impacts,
@@ -22,6 +22,7 @@ use bipenalty::schemes::{Scheme, SchemeName};
 use bipenalty::stability::{AnyModel, AnyScene, Grid, Model, Sweep, check_has_contact};
 use bipenalty::verify::PenaltyPoint;
 use clap::Parser;
+use figure::Scale;
 
 /// Contact-impact in time, of bars, meshes and matrices: schemes, exact solutions, errors.
 // The schemes know no diagonalised mass penalty of a pair; on a wall both forms are one.
@@ -133,6 +134,13 @@ impl Analysis for Options {
         let left_out =
             "left out: eigenvectors; mass solves where the mass is lumped; exact solutions a scene has not\n";
         Ok(groups.iter().map(text).collect::<String>() + left_out)
+    }
+
+    fn frames(&self, groups: &Self::Plan) -> Vec<Frame> {
+        let named = |group: &Group, quantity: &str| format!("{}-{quantity}", group.scene());
+        let force = |group: &Group| Frame::new(named(group, "force"), Scale::Linear, Scale::Linear);
+        let gap = |group: &Group| Frame::new(named(group, "gap"), Scale::Linear, Scale::Log);
+        groups.iter().flat_map(|group| [force(group), gap(group)]).collect()
     }
 
     fn compute(&self, groups: Self::Plan, output: &Output) -> Result<(Found, usize)> {

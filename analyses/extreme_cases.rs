@@ -6,7 +6,7 @@
 
 use std::process::ExitCode;
 
-use analyses::cli::{Analysis, Output, OutputOptions, Progress, Verdict, narrate, print_table};
+use analyses::cli::{Analysis, Frame, Output, OutputOptions, Progress, Verdict, narrate, print_table};
 use analyses::error::{Refusal, Result};
 use clap::Parser;
 use precision::{Case, Checked, References, cases, distinct};
@@ -47,6 +47,10 @@ impl Analysis for Options {
 
     fn explain(&self, cases: &Vec<Case>) -> Result<String> {
         Ok(format!("{} cases against tests/data/extreme_cases.csv; left out: figures\n", cases.len()))
+    }
+
+    fn frames(&self, _cases: &Vec<Case>) -> Vec<Frame> {
+        Vec::new()
     }
 
     fn compute(&self, cases: Vec<Case>, output: &Output) -> Result<(Self::Found, usize)> {

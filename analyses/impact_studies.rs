@@ -7,12 +7,12 @@
 use std::process::ExitCode;
 
 use analyses::charts::studies;
-use analyses::cli::{Analysis, Output, OutputOptions, Progress, Verdict, narrate, print_table};
+use analyses::cli::{Analysis, Frame, Output, OutputOptions, Progress, Verdict, narrate, print_table};
 use analyses::error::Result;
 use analyses::meshes::impacts::{self, ImpactFineness};
 use analyses::record::{Number, StudyRow};
 use clap::{Parser, ValueEnum};
-use figure::Figure;
+use figure::{Figure, Scale};
 
 /// Errors, oscillations and cost of the schemes in the plane impact of a block; exit status 1 if a scheme that is proven to gain
 /// nothing ends with more energy.
@@ -101,6 +101,14 @@ impl Analysis for Options {
             fine.penalties.len(),
             impacts::SHARE,
         ))
+    }
+
+    fn folder(&self) -> String {
+        if self.quick { "quick".to_owned() } else { String::new() }
+    }
+
+    fn frames(&self, (studies, _): &Self::Plan) -> Vec<Frame> {
+        studies.iter().map(|study| Frame::new(study.name(), Scale::Log, Scale::Log)).collect()
     }
 
     fn compute(&self, (studies, fine): Self::Plan, output: &Output) -> Result<(Self::Found, usize)> {

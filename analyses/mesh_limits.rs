@@ -7,13 +7,13 @@
 use std::process::ExitCode;
 
 use analyses::charts;
-use analyses::cli::{Analysis, Output, OutputOptions, Progress, Verdict, narrate, print_table};
-use analyses::error::Result;
+use analyses::cli::{Analysis, Frame, Output, OutputOptions, Progress, Units, Verdict, narrate, print_table};
+use analyses::error::{Refusal, Result};
 use analyses::meshes::{self, Fineness};
 use analyses::record::{MeshRow, StabilityRow, Subject};
 use bipenalty::stability::{AnyModel, Asking, Grid, Sweep};
 use clap::{Parser, ValueEnum};
-use figure::Figure;
+use figure::{Figure, Scale};
 use rayon::prelude::*;
 
 /// Limits of meshes: elements, unlike cells, proofs, and rules of thumb; exit status 1 if a proven step is beyond the limit.
@@ -23,6 +23,15 @@ struct Options {
     /// Studies: contact, elements, sizes, bounds, rules, scales [default: all]
     #[arg(value_name = "STUDY")]
     studies: Vec<Study>,
+    /// Units of the axes of study contact, whose records hold both; the other studies compare steps with one another
+    #[arg(long, value_name = "UNITS", default_value = "dimensionless")]
+    units: Units,
+    /// Refused with the reason.
+    #[arg(long, hide = true, value_name = "SPEC", allow_negative_numbers = true)]
+    stiffness: Option<String>,
+    /// Refused with the reason.
+    #[arg(long, hide = true, value_name = "SPEC", allow_negative_numbers = true)]
+    beta_s: Option<String>,
     /// Coarse meshes and few points
     #[arg(long)]
     quick: bool,
@@ -67,6 +76,14 @@ impl Study {
         }
     }
 
+    /// The vertical axis; with several panels that of one of them.
+    fn upright(self) -> Scale {
+        match self {
+            Self::Contact => Scale::Linear,
+            _ => Scale::Log,
+        }
+    }
+
     /// The rows, and how they are drawn; `None` for the curves of contact.
     fn rows(self, fine: &Fineness) -> Option<(Result<Vec<MeshRow>>, Chart)> {
         Some(match self {
@@ -103,7 +120,9 @@ impl Analysis for Options {
     fn plan(&self) -> Result<Self::Plan> {
         let all = Study::value_variants().iter().copied();
         let asked = all.filter(|study| self.studies.is_empty() || self.studies.contains(study));
-        Ok((asked.collect(), if self.quick { Fineness::QUICK } else { Fineness::FIGURES }))
+        let asked: Vec<Study> = asked.collect();
+        self.check(&asked)?;
+        Ok((asked, if self.quick { Fineness::QUICK } else { Fineness::FIGURES }))
     }
 
     fn explain(&self, (studies, fine): &Self::Plan) -> Result<String> {
@@ -118,13 +137,21 @@ impl Analysis for Options {
         ))
     }
 
+    fn folder(&self) -> String {
+        if self.quick { "quick".to_owned() } else { String::new() }
+    }
+
+    fn frames(&self, (studies, _): &Self::Plan) -> Vec<Frame> {
+        studies.iter().map(|study| Frame::new(study.name(), Scale::Log, study.upright())).collect()
+    }
+
     fn compute(&self, (studies, fine): Self::Plan, output: &Output) -> Result<(Found, usize)> {
         let progress = Progress::new(studies.len(), "studies", self.output.quiet);
         let (mut found, mut files) = (Found::default(), 0);
         for study in studies {
             progress.doing(study.name());
             files += match study.rows(&fine) {
-                None => contact(&fine, output, &mut found.contact)?,
+                None => contact(&fine, self.units, output, &mut found.contact)?,
                 Some((rows, draw)) => {
                     let rows = rows?;
                     let mut files = output.write_rows(study.name(), &rows)?.len();
@@ -154,8 +181,35 @@ impl Analysis for Options {
     }
 }
 
+impl Options {
+    /// Refuses what does not go with these studies, and says why.
+    fn check(&self, studies: &[Study]) -> Result<(), Refusal> {
+        for (option, typed) in [("--stiffness", &self.stiffness), ("--beta-s", &self.beta_s)] {
+            if let Some(typed) = typed {
+                let allowed = format!(
+                    "none here, where unlike meshes are compared at penalties of their own; for a mesh of yours: \
+                     stability-map MESH.toml {option} {typed}"
+                );
+                return Err(Refusal::new(option, typed, allowed));
+            }
+        }
+        match studies.iter().find(|study| self.units == Units::Si && **study != Study::Contact) {
+            None => Ok(()),
+            Some(study) => {
+                let value =
+                    format!("si with study {}, whose steps are relative to one another", study.name());
+                Err(Refusal::new(
+                    "--units",
+                    value,
+                    "si with study contact alone: mesh-limits contact --units si",
+                ))
+            }
+        }
+    }
+}
+
 /// C_r over beta_s of matching and unlike meshes.
-fn contact(fine: &Fineness, output: &Output, all: &mut Vec<StabilityRow>) -> Result<usize> {
+fn contact(fine: &Fineness, units: Units, output: &Output, all: &mut Vec<StabilityRow>) -> Result<usize> {
     let (beta_s, ratios) =
         (Sweep::log(1e-2, 1e5, fine.points)?, Sweep::list([0.25, 1.0, 4.0, f64::INFINITY]));
     let grid = Grid::new(&beta_s, &ratios)?;
@@ -167,7 +221,10 @@ fn contact(fine: &Fineness, output: &Output, all: &mut Vec<StabilityRow>) -> Res
     *all = panels.concat();
     let mut files = output.write_rows("contact", all)?.len();
     if output.wants_figures() {
-        files += output.write_figure("contact", &charts::curves("contact.csv", &panels, true))?.len();
+        let figure = charts::curves("contact.csv", &panels, true);
+        let si = units == Units::Si;
+        let figure = if si { charts::in_si(figure, &panels, &[]) } else { figure };
+        files += output.write_figure("contact", &figure)?.len();
     }
     Ok(files)
 }

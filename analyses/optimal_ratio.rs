@@ -11,13 +11,14 @@ use std::sync::Arc;
 
 use analyses::charts;
 use analyses::cli::{
-    self, Analysis, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Units, Verdict, check_stems,
-    checked_grid, narrate, print_table, redraw_optimal_ratio, require_memory, tabulate_ratios,
+    self, Analysis, Frame, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Units, Verdict,
+    check_stems, checked_grid, narrate, print_table, redraw_optimal_ratio, require_memory, tabulate_ratios,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{OptimalRatioRow, Subject};
 use bipenalty::stability::{AnyModel, Grid, LimitOf, Sweep, governing_bar};
 use clap::{Parser, ValueHint};
+use figure::{Figure, Scale};
 
 /// The largest penalty ratio r that costs no time step, with its enclosure, over the stiffness penalty.
 #[derive(Debug, Parser)]
@@ -109,6 +110,15 @@ impl Analysis for Options {
         }
     }
 
+    fn frames(&self, plan: &Plan) -> Vec<Frame> {
+        let Plan::Models(..) = plan else { return Vec::new() };
+        let values = &self.stiffness.as_ref().unwrap_or(&self.beta_s).values;
+        let x = if charts::is_logarithmic(values) { Scale::Log } else { Scale::Linear };
+        // Whether there are widths or distances to draw over a logarithmic axis is for the rows to say.
+        let frame = Frame::new(Self::NAME, x, Scale::Linear);
+        if values.len() > 1 { vec![frame] } else { Vec::new() }
+    }
+
     fn compute(&self, plan: Plan, output: &Output) -> Result<(Self::Found, usize)> {
         match plan {
             Plan::Redraw(file) => {
@@ -155,20 +165,25 @@ fn compute(
         }
         let name = &stem(models, options)?;
         let rows: Vec<Vec<OptimalRatioRow>> = found.iter().map(|found| found.rows.clone()).collect();
+        let figure = figure(options, name, &rows).filter(|_| output.wants_figures());
+        figure.iter().try_for_each(|figure| output.check_figure(name, figure.clone()))?;
         files += output.write_rows(name, &rows.concat())?.len();
-        let axis = options.stiffness.as_ref().unwrap_or(&options.beta_s);
-        if output.wants_figures() && axis.values.len() > 1 {
-            let log = charts::is_logarithmic(&axis.values);
-            if let Some(mut figure) = charts::optimal_ratio(&format!("{name}.csv"), &rows, log) {
-                if options.units == Units::Si {
-                    figure = charts::stiffness_in_si(figure, &rows);
-                }
-                files += output.write_figure(name, &figure)?.len();
-            }
+        if let Some(figure) = figure {
+            files += output.write_figure(name, &figure)?.len();
         }
         all.extend(found);
     }
     Ok((all, files))
+}
+
+/// The figure of one scene, if there is something to draw.
+fn figure(options: &Options, name: &str, rows: &[Vec<OptimalRatioRow>]) -> Option<Figure> {
+    let values = &options.stiffness.as_ref().unwrap_or(&options.beta_s).values;
+    if values.len() < 2 {
+        return None;
+    }
+    let figure = charts::optimal_ratio(&format!("{name}.csv"), rows, charts::is_logarithmic(values))?;
+    Some(if options.units == Units::Si { charts::stiffness_in_si(figure, rows) } else { figure })
 }
 
 /// The models of every scene, one a mass matrix; the built-in scenes if none is named.

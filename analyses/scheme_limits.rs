@@ -11,14 +11,15 @@ use std::sync::Arc;
 
 use analyses::charts;
 use analyses::cli::{
-    Analysis, Chart, ForceOptions, ForcePlan, Job, Limit, LimitOptions, Output, OutputOptions, Progress,
-    SceneOptions, Units, Verdict, check_stems, check_touches, narrate, print_costs, print_table, question,
-    redraw_costs,
+    Analysis, Chart, ForceOptions, ForcePlan, Frame, Job, Limit, LimitOptions, Output, OutputOptions,
+    Progress, SceneOptions, Units, Verdict, check_stems, check_touches, narrate, print_costs, print_table,
+    question, redraw_costs,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{CostRow, OptimalRatioRow, StabilityRow, Subject};
 use bipenalty::stability::{AnyModel, Sweep};
 use clap::Parser;
+use figure::Scale;
 
 /// The stability limits of the schemes themselves with closed contact, and their optimal ratios.
 #[derive(Debug, Parser)]
@@ -94,12 +95,30 @@ impl Analysis for Options {
         })
     }
 
+    fn folder(&self) -> String {
+        // Only costs: limits say theta in the names of their files.
+        self.forces.words(Some(self.theta).filter(|theta| self.forces.per_force && *theta != USUAL_THETA))
+    }
+
+    fn frames(&self, plan: &Self::Plan) -> Vec<Frame> {
+        let curves =
+            |kind: &str, model: &Arc<AnyModel>| Frame::new(stem(kind, model), Scale::Linear, Scale::Linear);
+        let map = |model: &Arc<AnyModel>| Frame::new(stem("map", model), Scale::Log, Scale::Log).of_colours();
+        match plan {
+            Plan::Redraw(_) => Vec::new(),
+            Plan::Limits(models) => {
+                models.iter().flatten().flat_map(|model| [curves("fig3", model), map(model)]).collect()
+            }
+            Plan::Costs(plan) => plan.frames(),
+        }
+    }
+
     fn compute(&self, plan: Self::Plan, output: &Output) -> Result<(Found, usize)> {
         let costs = |(costs, files)| (Found { costs, ..Found::default() }, files);
         match plan {
-            Plan::Redraw(file) => redraw_costs(&file, output).map(costs),
+            Plan::Redraw(file) => redraw_costs(&file, self.units, output).map(costs),
             Plan::Limits(models) => compute(self, &models, output),
-            Plan::Costs(plan) => plan.compute(output, self.output.quiet).map(costs),
+            Plan::Costs(plan) => plan.compute(self.units, output, self.output.quiet).map(costs),
         }
     }
 

@@ -9,15 +9,17 @@ use std::process::ExitCode;
 
 use analyses::charts;
 use analyses::cli::{
-    Analysis, Chart, FEW_POINTS, Format, Job, LimitOptions, MapSummary, Output, OutputOptions, Progress,
-    RatioSpec, SceneOptions, Solved, Units, Verdict, check_stems, governing_answer, hold_step, narrate,
-    paper, penalties_of, point_answers, print_summaries, question, redraw_stability, step_and_cost,
+    Analysis, Chart, FEW_POINTS, Format, Frame, Job, LimitOptions, MapSummary, Output, OutputOptions,
+    Progress, RatioSpec, SceneOptions, Solved, Units, Verdict, axis_word, check_stems, governing_answer,
+    hold_step, narrate, paper, penalties_of, point_answers, print_summaries, question, redraw_stability,
+    step_and_cost,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{StabilityRow, StepRow, Subject};
 use bipenalty::scene::built_in;
 use bipenalty::stability::{AnyModel, LimitOf, Sweep, eigenvalue};
 use clap::{Parser, ValueHint};
+use figure::Scale;
 
 /// Critical time steps of bodies in contact: C_r over the stiffness penalty and the ratio, certified.
 #[derive(Debug, Parser)]
@@ -120,6 +122,18 @@ impl Analysis for Options {
             Plan::Jobs(jobs) | Plan::Step(jobs, _) => {
                 Ok(jobs.iter().map(|job| job.explain(&self.limit)).collect::<Result<_, _>>()?)
             }
+        }
+    }
+
+    fn folder(&self) -> String {
+        folder(self)
+    }
+
+    fn frames(&self, plan: &Plan) -> Vec<Frame> {
+        match plan {
+            Plan::Jobs(jobs) => jobs.iter().filter_map(|job| frame(job, self.units)).collect(),
+            // Rows that are drawn again tell all, and steps are not drawn.
+            Plan::Redraw(_) | Plan::Step(..) => Vec::new(),
         }
     }
 
@@ -292,6 +306,41 @@ fn named_by_question(mut jobs: Vec<Job>, options: &Options) -> Result<Vec<Job>, 
     let words = question(options.scene.words().into_iter().chain(options.limit.words()?));
     jobs.iter_mut().for_each(|job| job.stem += &words);
     Ok(jobs)
+}
+
+/// Another window than the usual one has a folder of its own.
+fn folder(options: &Options) -> String {
+    let number = |name: &str, value: Option<f64>| value.map(|value| axis_word(name, &Sweep::list([value])));
+    let axis = |name: &str, axis: &Option<Sweep>| axis.as_ref().map(|axis| axis_word(name, axis));
+    let ratio = match &options.ratio {
+        Some(RatioSpec::Plastic) => Some("rplastic".to_owned()),
+        Some(RatioSpec::Sweep(ratio)) => Some(axis_word("r", ratio)),
+        None => None,
+    };
+    let words = [
+        axis("beta", &options.beta_s),
+        axis("s", &options.stiffness),
+        ratio,
+        number("courant", options.relative_courant),
+        number("step", options.time_step),
+    ];
+    question(words).trim_start_matches('-').to_owned()
+}
+
+/// What of the figure of a job is known before its rows are.
+fn frame(job: &Job, units: Units) -> Option<Frame> {
+    let of = |log: bool| if log { Scale::Log } else { Scale::Linear };
+    let x = of(charts::is_logarithmic(&job.beta_s.values));
+    let panels = job.models.len();
+    Some(match job.chart {
+        Chart::None => return None,
+        Chart::MassFamily => {
+            Frame::new(&job.stem, Scale::Linear, Scale::Linear).of_panels(1).along(&[0.0, 1.0])
+        }
+        Chart::Map => Frame::new(&job.stem, Scale::Log, Scale::Log).of_panels(panels).of_colours(),
+        Chart::Curves if units == Units::Si => Frame::new(&job.stem, x, Scale::Linear).of_panels(panels),
+        Chart::Curves => Frame::new(&job.stem, x, Scale::Linear).of_panels(panels).along(&job.beta_s.values),
+    })
 }
 
 /// beta_s as asked for: of a stiffness in N/m, divided by the smallest scale of the contacts.

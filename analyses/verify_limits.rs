@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use analyses::charts::verification;
 use analyses::cli::{
-    Analysis, Contact, OpeningOptions, OpeningPlan, OpeningResult, Output, OutputOptions, Progress,
+    Analysis, Contact, Frame, OpeningOptions, OpeningPlan, OpeningResult, Output, OutputOptions, Progress,
     SceneOptions, Verdict, axis_word, check_stems, checked_grid, narrate, penalties_of, print_reasons,
     print_verification, question, require_memory,
 };
@@ -23,6 +23,7 @@ use bipenalty::schemes::{Scheme, SchemeName};
 use bipenalty::stability::{AnyModel, AnyScene, Asking, Grid, LimitOf, Sweep};
 use bipenalty::verify::{PenaltyPoint, Prediction, Search, check_any, confirm_any, points_of, predict_any};
 use clap::Parser;
+use figure::Scale;
 use rayon::prelude::*;
 
 /// Limits found by time stepping with closed contact beside the predicted ones, and what contact that opens and closes gains below them; exit
@@ -120,6 +121,12 @@ impl Analysis for Options {
     fn explain(&self, (closed, opening): &Self::Plan) -> Result<String> {
         let closed = closed.iter().flat_map(Study::explain);
         Ok(closed.chain(opening.iter().map(OpeningPlan::explain)).collect())
+    }
+
+    fn frames(&self, (closed, opening): &Self::Plan) -> Vec<Frame> {
+        let closed = closed.iter().flat_map(Study::frames);
+        let gains = opening.iter().map(|_| Frame::new("opening", Scale::Linear, Scale::Log).of_colours());
+        closed.chain(gains).collect()
     }
 
     fn compute(&self, (study, opening): Self::Plan, output: &Output) -> Result<(Found, usize)> {
@@ -277,6 +284,12 @@ impl Study {
 
     fn explain(&self) -> impl Iterator<Item = String> {
         self.jobs.iter().map(|job| explain(job, &self.grid))
+    }
+
+    fn frames(&self) -> impl Iterator<Item = Frame> {
+        let x = if self.beta_s.log { Scale::Log } else { Scale::Linear };
+        let frame = move |job: &Job| Frame::new(&job.stem, x, Scale::Linear).of_panels(job.models.len());
+        self.jobs.iter().filter(|_| is_drawn(&self.grid)).map(frame)
     }
 
     /// The rows of every model and scheme, written and drawn; the number of files.

@@ -11,14 +11,14 @@ use std::time::Duration;
 
 use analyses::charts;
 use analyses::cli::{
-    Analysis, Output, OutputOptions, Peers, Progress, Verdict, machine, narrate, print_table,
+    Analysis, Frame, Output, OutputOptions, Peers, Progress, Verdict, machine, narrate, print_table,
     restarted_with_one_blas_thread,
 };
 use analyses::error::Result;
 use bipenalty::fem::MassMatrix;
 use bipenalty::schemes::SchemeName;
 use clap::Parser;
-use figure::Figure;
+use figure::{Figure, Scale};
 use precision::{
     Clock, EIGENPROBLEMS, ExactEigenvalues, Impactproblem, Measurement, Method, SCENES, SIZES, Status,
     distinct, mark_front, markdown, measure_eigenvalues, measure_impacts,
@@ -95,6 +95,16 @@ impl Analysis for Options {
 
     fn explain(&self, plan: &Plan) -> Result<String> {
         Ok(explain(plan.amount, plan.impacts.len(), plan.peers.is_some()))
+    }
+
+    fn folder(&self) -> String {
+        if self.quick { "quick".to_owned() } else { String::new() }
+    }
+
+    fn frames(&self, _plan: &Plan) -> Vec<Frame> {
+        let stepping = SCENES.iter().map(|scene| format!("stepping-{scene}"));
+        let stems = ["eigenvalue-error", "eigenvalue-time"].map(str::to_owned).into_iter().chain(stepping);
+        stems.map(|stem| Frame::new(stem, Scale::Log, Scale::Log)).collect()
     }
 
     fn compute(&self, plan: Plan, output: &Output) -> Result<(Self::Found, usize)> {

@@ -117,9 +117,23 @@ fn only_what_is_asked_for_is_written() {
     assert!(scratch.read("a/b/symmetric-lumped.pdf").starts_with(b"%PDF"));
     let json: serde_json::Value = serde_json::from_slice(&scratch.read("a/b/symmetric-lumped.json")).unwrap();
     assert_eq!(json["rows"].as_array().unwrap().len(), 11 * 5);
-    // Without --out: figures/<tool>.
-    run(&scratch, "signorini --mass 0.3 --beta-s 1 --ratio 1 --format csv").succeeded();
-    assert!(scratch.files().contains(&"figures/stability-map/signorini-0.3.csv".to_owned()));
+    // Without --out: figures/<tool>, and another window than the usual one in a folder of its own below it.
+    let mut expected = scratch.files();
+    let windows = [
+        ("", ""),
+        ("--beta-s 1 --ratio 1", "beta1-r1/"),
+        ("--beta-s 1,2 --ratio 1", "beta1-2-r1/"),
+        ("--stiffness log:1e2:1e6:50", "slog-100-1e6-50/"),
+        ("--ratio plastic --relative-courant 0.7 --beta-s 10", "beta10-rplastic-courant0.7/"),
+    ];
+    for (window, folder) in windows {
+        run(&scratch, &format!("signorini --mass 0.3 {window} --format csv --quiet")).succeeded();
+        expected.push(format!("figures/stability-map/{folder}signorini-0.3.csv"));
+    }
+    run(&scratch, "signorini --mass 0.3 --time-step 1e-4 --format csv --quiet").succeeded();
+    expected.push("figures/stability-map/step1e-4/signorini-0.3-step.csv".to_owned());
+    expected.sort();
+    assert_eq!(scratch.files(), expected);
 }
 
 #[test]

@@ -85,6 +85,56 @@ fn every_option_of_style_changes_the_drawing() {
     }
 }
 
+/// Runs whose figures have a logarithmic axis across or up, of every tool that draws.
+const LOGARITHMIC: [(&str, &str, &str); 10] = [
+    ("stability-map", "signorini --elements 2 --mass lumped --beta-s log:0.1:10:5 --ratio 1,2", "x"),
+    ("stability-map", MAP, "y"),
+    ("optimal-ratio", "signorini --elements 2 --mass lumped --beta-s log:1:1e4:3", "x"),
+    ("scheme-limits", "signorini --elements 2 --mass lumped", "y"),
+    ("scheme-limits", "signorini --elements 2 --mass lumped --per-force --beta-s log:1:100:5", "x"),
+    ("contact-impact", "signorini --elements 3 --mass lumped --beta-s 1", "y"),
+    ("verify-limits", "signorini --elements 2 --mass lumped --beta-s log:1:10:3 --ratio 1", "x"),
+    ("mesh-limits", "rules --quick", "y"),
+    ("impact-studies", "penalty --quick", "x"),
+    ("work-precision", "--quick --peers none", "y"),
+];
+
+#[test]
+fn what_cannot_be_drawn_is_refused_before_anything_is_written() {
+    for (tool, arguments, axis) in LOGARITHMIC {
+        let scratch = Scratch::new(&format!("undrawn-{tool}"));
+        scratch.write("limits.toml", format!("{axis}_limits = [0, 10]\n"));
+        for style in [format!("--{axis}-limits 0:10"), "--style limits.toml".to_owned()] {
+            let out = run(tool, &scratch, &format!("{arguments} {style}"));
+            assert!(
+                out.status == 2 && out.stderr.contains("cannot show 0"),
+                "{tool} {style}: {}",
+                out.stderr
+            );
+            assert_eq!(scratch.files(), Vec::<String>::new(), "{tool} {style}");
+            // What draws nothing has no axes.
+            assert!(
+                tool != "stability-map"
+                    || run(tool, &scratch, &format!("{arguments} {style} --stdout csv")).status == 0
+            );
+        }
+    }
+    let scratch = Scratch::new("undrawn-shape");
+    scratch.write("titles.toml", "title = [\"one\", \"two\", \"three\"]\n");
+    let long = format!("--x-label {}", "x".repeat(200));
+    let wrong = [
+        (PANELS.replace(" --overlay", ""), "--style titles.toml", "3 titles"),
+        (format!("signorini symmetric {}", &MAP["signorini ".len()..]), "--overlay", "maps"),
+        (CURVES.to_owned(), "--x-limits 100:200", "nothing lies within"),
+        (CURVES.to_owned(), long.as_str(), "shorten it"),
+    ];
+    for (arguments, style, why) in wrong {
+        let out = run("stability-map", &scratch, &format!("{arguments} {style}"));
+        assert!(out.status == 2 && out.stderr.contains(why), "{style}: {} {}", out.status, out.stderr);
+        assert_eq!(scratch.files(), Vec::<String>::new(), "{style}");
+    }
+}
+
 fn program(tool: &str) -> &'static str {
     TOOLS.iter().find(|(name, ..)| *name == tool).unwrap_or_else(|| panic!("{tool} is not in TOOLS")).1
 }

@@ -1,17 +1,19 @@
 //! What a scheme costs over the penalty: how far one evaluation of the internal force gets.
 
 use super::maps::{STIFFNESS, limit_name, line, mass_name, number, scene_name};
-use crate::record::CostRow;
+use super::units::STIFFNESS as SI_STIFFNESS;
+use crate::record::{CostRow, Number};
 use bipenalty::schemes::explicit::ExplicitName;
 use figure::{Axis, Figure, Layer, Naming, Panel, Width, literal};
 
 const PER_FORCE: &str = "relative step per force";
+const STEP_PER_FORCE: &str = "step per force (s)";
 /// Costs that stay below this are compared on a linear axis from 0, larger ones on a logarithmic one.
 const CHEAP: f64 = 5.0;
 
 /// The step at the limit over the forces it takes, relative to central differences without contact, over beta_s: one panel a
-/// ratio and one curve a scheme. All `rows` are of one model and stand in `file`; ratio by ratio within a scheme.
-pub fn per_force(rows: &[CostRow], log: bool) -> Figure {
+/// ratio and one curve a scheme; in SI units in s over N/m. All `rows` are of one model; ratio by ratio within a scheme.
+pub fn per_force(rows: &[CostRow], log: bool, si: bool) -> Figure {
     let mut schemes: Vec<&CostRow> = Vec::new();
     let mut ratios: Vec<f64> = Vec::new();
     for row in rows {
@@ -27,19 +29,26 @@ pub fn per_force(rows: &[CostRow], log: bool) -> Figure {
         let curve = |(style, scheme): (usize, &&CostRow)| {
             let of = of_ratio().filter(|row| same_scheme(row, scheme));
             let shown = of.filter(|row| !log || row.stiffness_penalty.0 > 0.0);
-            let point =
-                |row: &CostRow| (row.stiffness_penalty.0, row.cost.map_or(f64::NAN, |cost| cost.0.recip()));
+            let point = |row: &CostRow| {
+                let of = |value: Option<Number>| value.map_or(f64::NAN, |value| value.0);
+                match si {
+                    true => (of(row.penalty_stiffness), of(row.step_per_force)),
+                    false => (row.stiffness_penalty.0, of(row.cost).recip()),
+                }
+            };
             let mut points: Vec<(f64, f64)> = shown.map(point).collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             line(points, name(scheme), style)
         };
         let layers: Vec<Layer> = schemes.iter().enumerate().map(curve).collect();
         let costs = of_ratio().filter_map(|row| row.cost).map(|cost| cost.0);
+        let (stiffness, step) = if si { (SI_STIFFNESS, STEP_PER_FORCE) } else { (STIFFNESS, PER_FORCE) };
         let y = match costs.fold(0.0, f64::max) {
-            most if most > CHEAP => Axis::log(PER_FORCE),
-            _ => Axis::linear(PER_FORCE).over(0.0, 1.05),
+            most if most > CHEAP => Axis::log(step),
+            _ if si => Axis::linear(step).over(0.0, 1.05 * longest(rows)),
+            _ => Axis::linear(step).over(0.0, 1.05),
         };
-        let x = if log { Axis::log(STIFFNESS) } else { Axis::linear(STIFFNESS) };
+        let x = if log { Axis::log(stiffness) } else { Axis::linear(stiffness) };
         Panel::new(x, y, layers).titled(format!("{}*r* = {}", subject(rows), number(*ratio)))
     };
     let panels: Vec<Panel> = ratios.iter().map(panel).collect();
@@ -48,6 +57,11 @@ pub fn per_force(rows: &[CostRow], log: bool) -> Figure {
     figure.columns = figure.columns.min(3);
     figure.naming = Naming::Legend;
     figure
+}
+
+/// The largest step per force, s.
+fn longest(rows: &[CostRow]) -> f64 {
+    rows.iter().filter_map(|row| row.step_per_force).map(|step| step.0).fold(0.0, f64::max)
 }
 
 /// Whether two rows are of one curve, at whatever penalties.

@@ -5,7 +5,7 @@ use super::maps::number;
 use crate::record::{OptimalRatioRow, StabilityRow};
 use figure::{At, Axis, Figure, Layer, Panel};
 
-const STIFFNESS: &str = "penalty stiffness *s* (N/m)";
+pub(super) const STIFFNESS: &str = "penalty stiffness *s* (N/m)";
 const STEP: &str = "critical time step (s)";
 
 /// What a panel multiplies: s/beta_s, N/m, and dt/C_r, s. `None` where its rows tell neither.

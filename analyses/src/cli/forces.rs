@@ -6,12 +6,15 @@ use std::sync::Arc;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
 
-use super::{Chart, Job, Limit, LimitOptions, Output, Progress};
+use super::{
+    Chart, Frame, Job, Limit, LimitOptions, Output, Progress, Units, axis_word, penalties_of, question,
+};
 use crate::charts;
 use crate::error::{Refusal, Result};
 use crate::record::{CostRow, Price, StabilityRow, Subject};
 use bipenalty::schemes::SchemeName;
 use bipenalty::stability::{AnyModel, Asking, Sweep};
+use figure::Scale;
 
 /// Which schemes are compared, and where.
 #[derive(Debug, Clone, Args)]
@@ -25,6 +28,15 @@ pub struct ForceOptions {
     /// Stiffness penalties: a list, lin:START:STOP:COUNT or log:START:STOP:COUNT [default: log:1e-2:1e2:121]
     #[arg(long, value_name = "SPEC", requires = "per_force", allow_negative_numbers = true)]
     pub beta_s: Option<Sweep>,
+    /// Stiffness penalties s in N/m, in the same forms, instead of beta_s: of the contact of smallest scale
+    #[arg(
+        long,
+        value_name = "SPEC",
+        requires = "per_force",
+        allow_negative_numbers = true,
+        conflicts_with = "beta_s"
+    )]
+    pub stiffness: Option<Sweep>,
     /// Penalty ratios in the same forms, or inf [default: 0.25,1,inf]
     #[arg(long, value_name = "SPEC", requires = "per_force", allow_negative_numbers = true)]
     pub ratio: Option<Sweep>,
@@ -94,6 +106,20 @@ pub struct ForcePlan {
 }
 
 impl ForceOptions {
+    /// What the name of a folder says of other penalties and schemes than the usual ones.
+    pub fn words(&self, theta: Option<f64>) -> String {
+        let axis = |name: &str, axis: &Option<Sweep>| axis.as_ref().map(|axis| axis_word(name, axis));
+        let named = |priced: &Priced| {
+            let parameter = priced.parameter.map_or_else(String::new, |parameter| parameter.to_string());
+            format!("{}{parameter}", priced.scheme.name())
+        };
+        let schemes = self.limit.iter().map(named).collect::<Vec<_>>().join("-");
+        let schemes = Some(schemes).filter(|schemes| !schemes.is_empty());
+        let theta = theta.map(|theta| format!("theta{theta}"));
+        let words = [axis("beta", &self.beta_s), axis("s", &self.stiffness), axis("r", &self.ratio), schemes];
+        question(words.into_iter().chain([theta])).trim_start_matches('-').to_owned()
+    }
+
     /// What is compared on `models`.
     ///
     /// # Errors
@@ -101,8 +127,8 @@ impl ForceOptions {
     pub fn plan(&self, models: &[Arc<AnyModel>], theta: f64) -> Result<ForcePlan, Refusal> {
         /// Each ratio has a panel.
         const MOST_RATIOS: usize = 6;
-        let (beta_s, ratio) = (self.beta_s.clone(), self.ratio.clone());
-        let beta_s = beta_s.map_or_else(|| Sweep::log(1e-2, 1e2, 121), Ok)?;
+        let usual = self.beta_s.clone().map_or_else(|| Sweep::log(1e-2, 1e2, 121), Ok)?;
+        let ratio = self.ratio.clone();
         let ratio = ratio.unwrap_or_else(|| Sweep::list([0.25, 1.0, f64::INFINITY]));
         if ratio.values.len() > MOST_RATIOS {
             let allowed = format!("at most {MOST_RATIOS} ratios with --per-force, a panel each");
@@ -112,7 +138,9 @@ impl ForceOptions {
             let mass = model.mass().map_or(String::new(), |mass| format!("-{}", mass.name()));
             let stem = format!("forces-{}{mass}", model.name());
             let schemes = self.schemes(model, theta)?;
-            Ok((Job::new(stem, vec![model.clone()], beta_s.clone(), ratio.clone())?, schemes))
+            let in_newtons = self.stiffness.as_ref().map(|stiffness| penalties_of(stiffness, model));
+            let beta_s = in_newtons.transpose()?.unwrap_or_else(|| usual.clone());
+            Ok((Job::new(stem, vec![model.clone()], beta_s, ratio.clone())?, schemes))
         };
         Ok(ForcePlan { jobs: models.iter().map(job).collect::<Result<_, Refusal>>()?, theta })
     }
@@ -135,6 +163,16 @@ impl ForcePlan {
         self.jobs.iter().map(|(job, _)| job.stem.clone())
     }
 
+    /// The figures to come: one panel a ratio, whose upright axis is for the rows to choose.
+    pub fn frames(&self) -> Vec<Frame> {
+        let drawn = self.jobs.iter().filter(|(job, _)| job.chart != Chart::None);
+        let frame = |(job, _): &(Job, Vec<Priced>)| {
+            let x = if charts::is_logarithmic(&job.beta_s.values) { Scale::Log } else { Scale::Linear };
+            Frame::new(&job.stem, x, Scale::Linear).of_panels(job.grid.ratios.len())
+        };
+        drawn.map(frame).collect()
+    }
+
     /// The text of `--explain`.
     pub fn explain(&self) -> String {
         let line = |(job, schemes): &(Job, Vec<Priced>)| {
@@ -148,17 +186,20 @@ impl ForcePlan {
     ///
     /// # Errors
     /// As [`Job::solve`] and [`Output::write_rows`].
-    pub fn compute(&self, output: &Output, quiet: bool) -> Result<(Vec<CostRow>, usize)> {
+    pub fn compute(&self, units: Units, output: &Output, quiet: bool) -> Result<(Vec<CostRow>, usize)> {
         self.jobs.iter().try_for_each(|(job, _)| job.check())?;
         let points = self.jobs.iter().map(|(job, schemes)| job.points() * schemes.len()).sum();
         let progress = Progress::new(points, "points", quiet);
         let (mut all, mut files) = (Vec::new(), 0);
         for (job, schemes) in &self.jobs {
             let rows = self.rows(job, schemes, &progress)?;
+            let log = charts::is_logarithmic(&job.beta_s.values);
+            let drawn = output.wants_figures() && job.chart != Chart::None;
+            let figure = drawn.then(|| charts::per_force(&rows, log, units == Units::Si));
+            figure.iter().try_for_each(|figure| output.check_figure(&job.stem, figure.clone()))?;
             files += output.write_rows(&job.stem, &rows)?.len();
-            if output.wants_figures() && job.chart != Chart::None {
-                let log = charts::is_logarithmic(&job.beta_s.values);
-                files += output.write_figure(&job.stem, &charts::per_force(&rows, log))?.len();
+            if let Some(figure) = figure {
+                files += output.write_figure(&job.stem, &figure)?.len();
             }
             all.extend(rows);
         }

@@ -6,10 +6,12 @@
 mod answers;
 mod arguments;
 mod forces;
+mod frames;
 mod impact_files;
 mod impacts;
 mod limit;
 mod maps;
+mod names;
 mod narration;
 mod opening;
 mod options;
@@ -28,18 +30,20 @@ mod verification;
 pub use answers::{governing_answer, point_answers};
 pub use arguments::arguments;
 pub use forces::{ForceOptions, ForcePlan};
+pub use frames::Frame;
 pub use impact_files::{draw_impacts, draw_passages, write_impacts};
 pub use impacts::{
     FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute, suffix,
 };
 pub use limit::{Limit, LimitOptions};
 pub use maps::{Chart, Job, Solved, check_touches, checked_grid, paper, require_memory};
+pub use names::{axis_word, check_stems, question};
 pub use narration::{Analysis, narrate};
 pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
 pub use options::{
     Format, OutputOptions, RatioSpec, SceneOptions, StandardOutput, Units, WidthOption, penalties_of,
 };
-pub use output::{Output, axis_word, check_stems, question};
+pub use output::Output;
 pub use passages::{FinishedPassage, Kept, PlannedPassage, StepOptions, check_passages, execute_passages};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 use plan::seconds_of;

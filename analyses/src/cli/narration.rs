@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use super::{Output, OutputOptions, Verdict, arguments, finish};
+use super::{Frame, Output, OutputOptions, Verdict, arguments, finish};
 use crate::error::Result;
 
 /// A tool: what it plans, computes and says.
@@ -36,6 +36,9 @@ pub trait Analysis: Parser {
     /// What describing the plan refuses.
     fn explain(&self, plan: &Self::Plan) -> Result<String>;
 
+    /// The figures to come, as far as the plan tells: what of a style does not suit them is refused.
+    fn frames(&self, plan: &Self::Plan) -> Vec<Frame>;
+
     /// Computes, writes the rows and then draws them; the number of files.
     ///
     /// # Errors
@@ -63,6 +66,7 @@ pub fn narrate<A: Analysis>() -> ExitCode {
 fn run<A: Analysis>(analysis: &A) -> Result<Verdict> {
     let plan = analysis.plan()?;
     let output = Output::prepare(analysis.output(), A::NAME, &analysis.folder())?;
+    output.check_style(&analysis.frames(&plan))?;
     if analysis.output().explain {
         Output::print_text(&analysis.explain(&plan)?)?;
         return Ok(Verdict::Holds);

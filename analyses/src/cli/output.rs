@@ -1,6 +1,6 @@
 //! Files and standard output. Nothing is created before the run has something to write.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -8,12 +8,11 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use super::frames::Frame;
 use super::style::Style;
-use super::summary::short;
 use super::{Format, OutputOptions, Redrawn, Samples, StandardOutput};
 use crate::error::{Error, Refusal, Result};
 use crate::record::{self, FigureRecord, Origin, Provenance, Table};
-use bipenalty::stability::Sweep;
 use figure::{Figure, Width};
 
 /// Where a run writes, checked before it computes.
@@ -185,6 +184,35 @@ impl Output {
         Ok(self.write(stem, Format::Vtu.ending(), &bytes)?.into_iter().collect())
     }
 
+    /// The figure in the style and the width asked for.
+    fn styled(&self, figure: Figure) -> Result<Figure, Refusal> {
+        let figure = self.style.apply(figure)?;
+        Ok(match self.width {
+            Some(width) => figure.at_width(width),
+            None => figure,
+        })
+    }
+
+    /// Refuses a style in which one of the figures to come could not be drawn, before anything is computed.
+    ///
+    /// # Errors
+    /// The first of them, and why.
+    pub fn check_style(&self, frames: &[Frame]) -> Result<()> {
+        frames.iter().try_for_each(|frame| self.check_figure(frame.name(), frame.rehearsed(&self.style)))
+    }
+
+    /// Refuses a figure that cannot be drawn in the style asked for, for instance before the rows that it shows are written.
+    ///
+    /// # Errors
+    /// What the style and the drawing layer refuse.
+    pub fn check_figure(&self, name: &str, figure: Figure) -> Result<()> {
+        if !self.file_formats().any(Format::is_figure) {
+            return Ok(());
+        }
+        let drawn = self.styled(figure)?.svg();
+        drawn.map(|_| ()).map_err(|source| Error::Figure { name: name.to_owned(), source })
+    }
+
     /// Draws `figure`, which shows the rows of the same stem, in the formats asked for, with its record.
     ///
     /// # Errors
@@ -217,11 +245,7 @@ impl Output {
         if figure.panels.is_empty() {
             return Ok(Vec::new());
         }
-        let figure = self.style.apply(figure.clone())?;
-        let figure = match self.width {
-            Some(width) => figure.at_width(width),
-            None => figure,
-        };
+        let figure = self.styled(figure.clone())?;
         let data: Vec<Table> = {
             let tables = self.tables.lock().unwrap_or_else(PoisonError::into_inner);
             sources.iter().filter_map(|stem| tables.get(stem)).cloned().collect()
@@ -338,36 +362,6 @@ impl Output {
     }
 }
 
-/// What the names of files say of the options that were given beside scene and mass, so that no run writes over the answer
-/// to another question: `-word` of each, in the order of `given`.
-pub fn question(given: impl IntoIterator<Item = Option<String>>) -> String {
-    given.into_iter().flatten().map(|word| format!("-{word}")).collect()
-}
-
-/// `name` with the values of an axis: all of them if they are few, else its ends and their number, and for a list of no
-/// regular steps a number that is hardly that of another list.
-pub fn axis_word(name: &str, axis: &Sweep) -> String {
-    const LONGEST: usize = 40;
-    let values = &axis.values;
-    let listed = values.iter().map(|value| short(*value)).collect::<Vec<_>>().join("-");
-    let (Some(first), Some(last)) = (values.first(), values.last()) else { return name.to_owned() };
-    if listed.len() <= LONGEST {
-        return format!("{name}{listed}");
-    }
-    let (ends, count) = (format!("{}-{}", short(*first), short(*last)), values.len());
-    let is = |made: Result<Sweep, Refusal>| made.is_ok_and(|made| made.values == *values);
-    if is(Sweep::linear(*first, *last, count)) {
-        return format!("{name}lin-{ends}-{count}");
-    }
-    if is(Sweep::log(*first, *last, count)) {
-        return format!("{name}log-{ends}-{count}");
-    }
-    // FNV-1a of the bits.
-    let mix = |hash: u64, value: &f64| (hash ^ value.to_bits()).wrapping_mul(0x0100_0000_01b3);
-    let hash = values.iter().fold(0xcbf2_9ce4_8422_2325, mix);
-    format!("{name}list-{ends}-{count}-{hash:016x}")
-}
-
 /// Rows that go to a file as they come: whole or not at all, as every other file.
 #[derive(Debug)]
 pub struct RowFile {
@@ -395,23 +389,6 @@ impl RowFile {
             return Err(failed(std::io::Error::other(why)));
         }
         self.writer.flush().and_then(|()| std::fs::rename(&self.draft, &self.path)).map_err(failed)
-    }
-}
-
-/// Refuses two parts of a run that would write the same files; the records of both may well be printed.
-///
-/// # Errors
-/// Names the first name of a file that comes twice.
-pub fn check_stems(options: &OutputOptions, stems: impl Iterator<Item = String>) -> Result<(), Refusal> {
-    let mut known = HashSet::new();
-    let mut stems = stems.filter(|_| options.stdout.is_none());
-    match stems.find(|stem| !known.insert(stem.clone())) {
-        None => Ok(()),
-        Some(stem) => Err(Refusal::new(
-            "SCENE, --mass or a list",
-            format!("a second run that writes {stem}"),
-            "scenes of different names and lists without repetition, or --stdout",
-        )),
     }
 }
 

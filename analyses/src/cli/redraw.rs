@@ -88,7 +88,7 @@ pub fn redraw_optimal_ratio(file: &Path, output: &Output) -> Result<(Vec<Optimal
 ///
 /// # Errors
 /// As [`redraw_stability`], with [`cost_rows`]; rows of more than one model, or of one penalty.
-pub fn redraw_costs(file: &Path, output: &Output) -> Result<(Vec<CostRow>, usize)> {
+pub fn redraw_costs(file: &Path, units: Units, output: &Output) -> Result<(Vec<CostRow>, usize)> {
     let rows = cost_rows(file)?;
     let key = |row: &CostRow| (row.scene.clone(), row.mass.clone(), row.elements);
     let mut betas: Vec<f64> = rows.iter().map(|row| row.stiffness_penalty.0).collect();
@@ -100,7 +100,12 @@ pub fn redraw_costs(file: &Path, output: &Output) -> Result<(Vec<CostRow>, usize
         let allowed = "one model and at least two stiffness penalties";
         return Err(Refusal::new(file.display().to_string(), found, allowed).into());
     }
-    let figure = charts::per_force(&rows, charts::is_logarithmic(&betas));
+    let si = units == Units::Si;
+    if si && rows.iter().any(|row| row.penalty_stiffness.is_none()) {
+        let allowed = "records with penalty_stiffness, or --units dimensionless";
+        return Err(Refusal::new(file.display().to_string(), "no penalties in N/m", allowed).into());
+    }
+    let figure = charts::per_force(&rows, charts::is_logarithmic(&betas), si);
     let files = write(stem(file)?, vec![Redrawn::of(file, &rows)], &rows, &figure, output)?;
     Ok((rows, files))
 }
@@ -243,5 +248,6 @@ fn write<R: serde::Serialize + Clone>(
     output: &Output,
 ) -> Result<usize> {
     let output = output.clone().redrawing(sources);
+    output.check_figure(stem, figure.clone())?;
     Ok(output.write_rows(stem, rows)?.len() + output.write_figure(stem, figure)?.len())
 }

@@ -231,6 +231,19 @@ impl Style {
         self.levels.as_ref().map(|levels| levels.0.as_slice())
     }
 
+    /// The ends of both axes that are asked for.
+    pub(super) fn limits(&self) -> [Option<(f64, f64)>; 2] {
+        [self.x_limits, self.y_limits].map(|limits| limits.map(|Limits(low, high)| (low, high)))
+    }
+
+    /// How many titles there are, if each panel has one.
+    pub(super) fn titles(&self) -> Option<usize> {
+        match &self.title {
+            Some(Titles::Each(titles)) => Some(titles.len()),
+            _ => None,
+        }
+    }
+
     /// The figure in this style.
     ///
     /// # Errors

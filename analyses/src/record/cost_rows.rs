@@ -42,6 +42,8 @@ columns! {
     cost: Option<Number> = result(POSITIVE),
     /// As in [`StabilityRow`].
     evidence: String = evidence(),
+    /// s = beta_s times the smallest scale of the contacts, N/m.
+    penalty_stiffness: Option<Number> = result(NOT_NEGATIVE),
 }
 
 /// What a scheme is taken with and what a step of it costs.
@@ -78,6 +80,7 @@ impl CostRow {
             engine: row.engine,
             step_lower: row.step_lower,
             evidence: row.evidence,
+            penalty_stiffness: row.penalty_stiffness,
         }
     }
 }

@@ -247,6 +247,18 @@ pub const USES: &[(&str, &str, &str, Seen)] = &[
     ),
     (
         "scheme-limits",
+        "--stiffness",
+        "signorini --elements 2 --mass lumped --per-force --limit park --stiffness 1e4 --ratio 1",
+        All("penalty_stiffness", "10000.0"),
+    ),
+    (
+        "mesh-limits",
+        "--units",
+        "contact --quick --units si",
+        Holds(|scratch| assert!(text(scratch, "there/contact.csv").contains("penalty_stiffness"))),
+    ),
+    (
+        "scheme-limits",
         "--ratio",
         "signorini --elements 2 --mass lumped --per-force --limit park --beta-s 1 --ratio 1,inf",
         Column("ratio", &["1.0", "inf"]),
