@@ -2,15 +2,13 @@
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::impact::{Encounter, Exact, Passage, Record, Recording, Run};
-use bipenalty::mesh::MeshScene;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
-use bipenalty::pencil::Penalty;
 use bipenalty::scene::{Bar, End, Impact, Scene, built_in};
 use bipenalty::schemes::SchemeName;
-use bipenalty::spectrum::{Dense, Engine};
 use bipenalty::stability::Model;
 
 use super::conformance::{as_mesh, place};
+use super::random::of_mesh;
 
 /// max |a - b| over max |a|.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
@@ -115,12 +113,7 @@ fn block(gap: f64, cells: [usize; 2], mass: MassMatrix) -> Encounter {
          [[hold]]\nsurface = \"block.left\"\ndirections = [\"x\"]\n[[hold]]\nsurface = \"block.right\"\ndirections = [\"x\"]\n\
          [impact]\nduration = 1.0\ngaps = [{gap:?}]\n"
     );
-    let scene = MeshScene::parse(&text, "block.toml").unwrap();
-    let assembled = scene.assemble(mass).unwrap();
-    let impact = scene.impact.unwrap();
-    let with = |l_max: f64| Encounter::of_mesh(&assembled, &impact, l_max, l_max).unwrap();
-    let l_max = Dense::new(with(1.0).pencil()).unwrap().enclose(&Penalty::NONE, None).unwrap().upper;
-    with(l_max)
+    of_mesh(&text, mass)
 }
 
 /// The same as a bar: E (1 - nu)/((1 + nu)(1 - 2 nu)).
@@ -203,12 +196,7 @@ fn bouncing(mass: MassMatrix, gravity: f64) -> Encounter {
         body("lower", [3, 2], 0.0, 0.0),
         body("upper", [4, 2], 0.5, -0.1),
     );
-    let scene = MeshScene::parse(&text, "blocks.toml").unwrap();
-    let assembled = scene.assemble(mass).unwrap();
-    let impact = scene.impact.unwrap();
-    let with = |l_max: f64| Encounter::of_mesh(&assembled, &impact, l_max, l_max).unwrap();
-    let l_max = Dense::new(with(1.0).pencil()).unwrap().enclose(&Penalty::NONE, None).unwrap().upper;
-    with(l_max)
+    of_mesh(&text, mass)
 }
 
 /// kinetic + strain + penalty + loss - work keeps its value over 1e5 steps of a block that bounces on another one.

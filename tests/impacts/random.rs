@@ -2,12 +2,9 @@
 
 use bipenalty::fem::MassMatrix;
 use bipenalty::impact::Encounter;
-use bipenalty::mesh::{MeshImpact, MeshScene};
 use bipenalty::penalty::PenaltyMass;
-use bipenalty::pencil::Penalty;
 use bipenalty::scene::{Bar, End, Impact, Scene};
-use bipenalty::spectrum::{Dense, Engine};
-use bipenalty::stability::Model;
+use bipenalty::stability::{AnyModel, AnyScene, Model};
 
 /// SplitMix64.
 pub struct Random(pub u64);
@@ -76,6 +73,13 @@ fn thrown(random: &mut Random, encounter: Encounter) -> Encounter {
     encounter.with_velocity(velocity).unwrap()
 }
 
+/// The bodies of a mesh scene as they are thrown.
+pub fn of_mesh(text: &str, mass: MassMatrix) -> Encounter {
+    let scene = AnyScene::parse(text, "mesh.toml").unwrap();
+    let model = AnyModel::new(&scene, Some(mass), PenaltyMass::Consistent).unwrap();
+    Encounter::of_scene(&scene, &model).unwrap()
+}
+
 /// A block on a wall, or two blocks whose nodes meet or do not meet: contacts that share nodes.
 pub fn mesh(random: &mut Random, mass: MassMatrix) -> Encounter {
     let kind = random.below(3);
@@ -105,14 +109,8 @@ pub fn mesh(random: &mut Random, mass: MassMatrix) -> Encounter {
             "[[contact]]\nsurfaces = [\"lower.bottom\", \"wall\"]\n",
         ]);
     }
-    let scene = MeshScene::parse(&text, "random.toml").unwrap();
-    let assembled = scene.assemble(mass).unwrap();
-    let gravity = [0.0, random.one(&[0.0, -0.5]), 0.0];
-    let impact = MeshImpact { duration: 1.0, gaps: Vec::new(), gravity };
-    let with = |l_max: f64| Encounter::of_mesh(&assembled, &impact, l_max, l_max).unwrap();
-    let first = with(1.0);
-    let l_max = Dense::new(first.pencil()).unwrap().enclose(&Penalty::NONE, None).unwrap().upper;
-    let encounter = with(l_max);
+    text += &format!("[impact]\nduration = 1.0\ngravity = [0.0, {:?}]\n", random.one(&[0.0, -0.5]));
+    let encounter = of_mesh(&text, mass);
     let gaps: Vec<f64> = encounter.pencil().gaps().iter().map(|_| -random.one(&[0.0, 0.02, 0.1])).collect();
     thrown(random, encounter.with_gaps(&gaps).unwrap())
 }

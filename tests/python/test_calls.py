@@ -31,6 +31,7 @@ import signal, sys, threading, time, os
 import bipenalty as bp
 import numpy as np
 import scipy.sparse as sp
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background is begun without
 line = sp.diags([-np.ones(89), 2 * np.ones(90), -np.ones(89)], [-1, 0, 1])
 K = sp.csr_matrix(sp.kronsum(line, line))
 M, Z = sp.csr_matrix(K * 1e-2 + sp.eye(8100)), sp.eye(8100, format='csr')[:, :90]

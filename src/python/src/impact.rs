@@ -219,7 +219,7 @@ fn of_record<'py>(
         compared.as_ref().map(|compared| record.time.iter().map(|t| compared.expected(*t)).collect());
     named.set_item("exact_force", exact.map(|force| force.into_pyarray(py)))?;
     let accuracy = compared.map(Comparison::finish).unwrap_or_default();
-    let energy = record.outcome().and_then(|outcome| outcome.energy_ratio());
+    let energy = record.outcome().and_then(|outcome| outcome.kept());
     summarised(&named, &Summary::new(accuracy, energy, record.switches))?;
     Ok(named)
 }
