@@ -70,6 +70,25 @@ impl Real for Dd {
 impl Dd {
     /// 2^-106.
     const UNIT: f64 = (f64::EPSILON / 2.0) * (f64::EPSILON / 2.0);
+
+    /// Sum of a_k x[at_k]: off by 2^-53 of itself, and for n terms by n^2 2^-106 of the sum of their absolute values (Ogita,
+    /// Rump, Oishi, SIAM J. Sci. Comput. 26, 2005). The same bytes on every machine: a fused multiply-add is rounded once,
+    /// as an instruction or without it.
+    #[allow(unsafe_code)]
+    pub fn dot(a: &[f64], at: &[u32], x: &[f64]) -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "fma")]
+            fn fused(a: &[f64], at: &[u32], x: &[f64]) -> Dd {
+                dot_loop(a, at, x)
+            }
+            if is_x86_feature_detected!("fma") {
+                // SAFETY: the feature has just been found.
+                return unsafe { fused(a, at, x) };
+            }
+        }
+        dot_loop(a, at, x)
+    }
 }
 
 /// s + e = a + b exactly (Knuth).
@@ -95,6 +114,20 @@ fn two_product(a: f64, b: f64) -> Dd {
     let p = a * b;
     let ((ah, al), (bh, bl)) = (split(a), split(b));
     Dd { hi: p, lo: ((ah * bh - p) + ah * bl + al * bh) + al * bl }
+}
+
+/// The sums of products and of the errors of both, beside each other, so that neither waits for the other one.
+#[inline(always)]
+fn dot_loop(a: &[f64], at: &[u32], x: &[f64]) -> Dd {
+    let (mut sum, mut errors) = (0.0, 0.0);
+    for (a, at) in a.iter().zip(at) {
+        let x = x[*at as usize];
+        let product = a * x;
+        let next = two_sum(sum, product);
+        errors += next.lo + a.mul_add(x, -product);
+        sum = next.hi;
+    }
+    quick_two_sum(sum, errors)
 }
 
 impl From<f64> for Dd {

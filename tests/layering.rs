@@ -15,7 +15,7 @@ const MAY_NAME: [(&str, &[&str]); 19] = [
     ("scene", &["error"]),
     ("fem", &["error", "scene", "sparse", "pencil"]),
     ("pencil", &["error", "sparse"]),
-    ("sparse", &[]),
+    ("sparse", &["double_double"]),
     ("double_double", &[]),
     ("mesh", &["error", "memory", "interrupt", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),

@@ -103,3 +103,37 @@ fn only_rows_of_bars_are_chains() {
     assert!(!chain(vec![gap(vec![(0, 1.0), (3, -1.0)], 1.0)]), "ends that are no neighbours");
     assert!(!chain(vec![gap(vec![(3, 0.5)], 1.0)]), "a gap that is not the displacement");
 }
+
+/// A plane truss of integer springs, moved by 2^40 in one direction and -3 2^38 in the other: what it holds are integers of
+/// the strains alone, while plain sums, and differences between directions, leave the rounding of 2^100.
+#[test]
+fn what_is_strained_far_away_has_all_its_digits() {
+    let nodes = 40_usize;
+    let springs = || (1..=3).flat_map(|apart| (apart..nodes).map(move |j| (j - apart, j)));
+    let along = |i: usize, j: usize| {
+        ([(i + 2 * j) as i64 % 7 - 3, (3 * i + j) as i64 % 5 + 1], 101 + 7919 * i as i64)
+    };
+    let mut entries = Vec::new();
+    for (i, j) in springs() {
+        let (d, k) = along(i, j);
+        let ends = || {
+            [(i, 1), (j, -1)].into_iter().flat_map(|(node, sign)| [0, 1].map(|x| (2 * node + x, sign * d[x])))
+        };
+        for (row, a) in ends() {
+            entries.extend(ends().map(|(column, b)| (row as u32, column as u32, (k * a * b) as f64)));
+        }
+    }
+    let k = Matrix::Sparse(Csr::from_triplets(2 * nodes, 2 * nodes, &entries));
+    let moved =
+        |by: usize| (0..2 * nodes).map(move |at| [1 << 40, -3 << 38][at % 2] + (at * at * by % 101) as i64);
+    let [u, v] = [37, 53].map(|by| moved(by).collect::<Vec<i64>>());
+    let longer = |x: &[i64], i: usize, j: usize| {
+        let d = along(i, j).0;
+        (0..2).map(|at| d[at] * (x[2 * j + at] - x[2 * i + at])).sum::<i64>()
+    };
+    let held = |(i, j)| along(i, j).1 * longer(&u, i, j) * longer(&v, i, j);
+    let exact = springs().map(held).sum::<i64>() as f64;
+    let [u, v] = [&u, &v].map(|x| x.iter().map(|x| *x as f64).collect::<Vec<f64>>());
+    let found = k.strain(&u, &v);
+    assert!(exact != 0.0 && (found - exact).abs() <= f64::EPSILON * exact.abs(), "{found:e} {exact:e}");
+}

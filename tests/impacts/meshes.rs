@@ -199,43 +199,39 @@ fn bouncing(mass: MassMatrix, gravity: f64) -> Encounter {
     of_mesh(&text, mass)
 }
 
-/// kinetic + strain + penalty + loss - work keeps its value over 1e5 steps of a block that bounces on another one.
+/// kinetic + strain + penalty + loss - work keeps its value over 1e5 steps of a block that bounces on another one. Central
+/// differences throw it a thousand times its height, where the squares of displacements are 1e4 times the energy.
 #[test]
 fn the_energy_balance_of_every_scheme_holds_over_a_hundred_thousand_steps() {
     for mass in [MassMatrix::LUMPED, MassMatrix::CONSISTENT] {
         let blocks = bouncing(mass, -0.01);
         for scheme in SchemeName::ALL {
-            let (ratio, c) = if scheme == SchemeName::PredictorCorrector { (0.25, 0.9) } else { (1.0, 0.45) };
-            let steps = 100_000.0;
-            let duration = steps * c * blocks.critical_step();
-            let passage = Passage::new(blocks.clone(), scheme, blocks.penalty(100.0, ratio), c, duration);
-            let record = match passage.unwrap().execute(7, None, |_, _| ()) {
-                Ok(record) => record,
-                // It is made for bars.
-                Err(refusal) => {
-                    assert_eq!(scheme, SchemeName::MassRedistribution, "{refusal}");
-                    continue;
-                }
+            let steps: &[f64] = match scheme {
+                SchemeName::CentralDifference => &[0.3, 0.37, 0.409, 0.449, 0.45],
+                SchemeName::PredictorCorrector => &[0.9],
+                _ => &[0.45],
             };
-            let found = record.imbalance() / record.largest_energy();
-            println!(
-                "{} {}: {found:.1e}, {} switches, {:?}",
-                mass.name(),
-                scheme.name(),
-                record.switches,
-                record.ending
-            );
-            assert!(
-                record.switches > 100 && record.steps >= 100_000,
-                "{} {}",
-                scheme.name(),
-                record.switches
-            );
-            // 1.9e-11 was found for chattering central differences with a consistent mass, within the rounding of a step; why more
-            // than the others is open.
-            let chatters = scheme == SchemeName::CentralDifference && mass == MassMatrix::CONSISTENT;
-            let allowed = if chatters { 4.0 * f64::EPSILON * record.steps as f64 } else { 1e-12 };
-            assert!(found <= allowed, "{} {} {found:e}", mass.name(), scheme.name());
+            let ratio = if scheme == SchemeName::PredictorCorrector { 0.25 } else { 1.0 };
+            let penalties: &[f64] =
+                if scheme == SchemeName::CentralDifference { &[1.0, 10.0, 100.0, 1e4] } else { &[100.0] };
+            for (c, beta_s) in steps.iter().flat_map(|c| penalties.iter().map(move |beta_s| (*c, *beta_s))) {
+                let duration = 100_000.0 * c * blocks.critical_step();
+                let passage =
+                    Passage::new(blocks.clone(), scheme, blocks.penalty(beta_s, ratio), c, duration);
+                let record = match passage.unwrap().execute(7, None, |_, _| ()) {
+                    Ok(record) => record,
+                    // It is made for bars.
+                    Err(refusal) => {
+                        assert_eq!(scheme, SchemeName::MassRedistribution, "{refusal}");
+                        continue;
+                    }
+                };
+                let found = record.imbalance() / record.largest_energy();
+                let what = format!("{} {} C = {c} beta_s = {beta_s}", mass.name(), scheme.name());
+                println!("{what}: {found:.1e}, {} switches, {:?}", record.switches, record.ending);
+                assert!(record.switches > 100 && record.steps >= 100_000, "{what} {}", record.switches);
+                assert!(found <= 1e-12, "{what} {found:e}");
+            }
         }
     }
 }
