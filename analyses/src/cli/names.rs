@@ -18,7 +18,8 @@ pub fn question(given: impl IntoIterator<Item = Option<String>>) -> String {
 pub fn axis_word(name: &str, axis: &Sweep) -> String {
     const LONGEST: usize = 40;
     let values = &axis.values;
-    let listed = values.iter().map(|value| short(*value)).collect::<Vec<_>>().join("-");
+    // More values than that are longer in any case.
+    let listed = values.iter().take(LONGEST).map(|value| short(*value)).collect::<Vec<_>>().join("-");
     let (Some(first), Some(last)) = (values.first(), values.last()) else { return name.to_owned() };
     if listed.len() <= LONGEST {
         return format!("{name}{listed}");
