@@ -71,7 +71,7 @@ impl Dd {
     /// 2^-106.
     const UNIT: f64 = (f64::EPSILON / 2.0) * (f64::EPSILON / 2.0);
 
-    /// Sum of a_k x[at_k]: off by 2^-53 of itself, and for n terms by n^2 2^-106 of the sum of their absolute values (Ogita,
+    /// The sum of `a_k x[at_k]`: off by 2^-53 of itself, and for n terms by n^2 2^-106 of the sum of their absolute values (Ogita,
     /// Rump, Oishi, SIAM J. Sci. Comput. 26, 2005). The same bytes on every machine: a fused multiply-add is rounded once,
     /// as an instruction or without it.
     #[allow(unsafe_code)]
