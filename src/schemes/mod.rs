@@ -33,6 +33,7 @@ mod lagrange;
 mod mass_redistribution;
 mod moreau_jean;
 mod name;
+mod nodes;
 mod operator;
 mod paoli_schatzman;
 mod park;

@@ -6,14 +6,16 @@
 
 use std::ops::Range;
 
+use super::kernels::Instructions;
+use super::nodes::{self, Nodes};
 use crate::pencil::{Matrix, Pencil};
 use crate::sparse::Csr;
 
 /// Rows that one task takes; fixed, so that no result depends on the number of threads.
 pub(super) const ROWS: usize = 4096;
 
-/// Rows whose forces are held at once, in whole blocks of two and of three.
-const BATCH: usize = 252;
+/// Rows whose forces are held at once, in whole blocks of two and of three: few, so that the vectors are read in between.
+const BATCH: usize = 30;
 
 /// Consecutive rows of nodes with so many directions, or of one where no blocks are.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,11 +34,13 @@ impl Run {
         Self { rows, directions, blocks }
     }
 
-    /// The blocks of the node of D directions whose first row is i.
+    /// Some of these rows, those of whole nodes of D directions.
     #[inline]
-    fn of_node<const D: usize>(&self, starts: &[usize], i: usize) -> &[u32] {
-        let first = (starts[i] - starts[self.rows.start]) / (D * D);
-        &self.blocks[first..first + (starts[i + 1] - starts[i]) / D]
+    fn nodes<'a, const D: usize>(&'a self, k: &'a Csr, rows: Range<usize>) -> Nodes<'a> {
+        let (starts, _, values) = k.parts();
+        let (first, here) = (starts[self.rows.start], starts[rows.start]..starts[rows.end]);
+        let blocks = (here.start - first) / (D * D)..(here.end - first) / (D * D);
+        Nodes { blocks: &self.blocks[blocks], starts: &starts[rows.start..=rows.end], values: &values[here] }
     }
 }
 
@@ -48,6 +52,7 @@ pub(super) struct Rows {
     load: Vec<f64>,
     /// The runs of every task.
     runs: Vec<Vec<Run>>,
+    instructions: Instructions,
 }
 
 impl Rows {
@@ -63,7 +68,7 @@ impl Rows {
             }
         };
         let runs = (0..n).step_by(ROWS).map(runs).collect();
-        Self { pencil: pencil.clone(), factor, load, runs }
+        Self { pencil: pencil.clone(), factor, load, runs, instructions: Instructions::detect() }
     }
 
     /// The row of unknown i, as [`Self::each`] has it.
@@ -75,11 +80,11 @@ impl Rows {
         let runs = &self.runs[i / ROWS];
         let run = &runs[runs.partition_point(|run| run.rows.end <= i)];
         let node = i - (i - run.rows.start) % run.directions;
-        let (columns, values) = k.row(i);
+        let values = k.row(i).1;
         let pull = match run.directions {
-            2 => pair(run.of_node::<2>(k.parts().0, node), [values; 2], u)[0],
-            3 => triple(run.of_node::<3>(k.parts().0, node), [values; 3], u)[0],
-            _ => single(columns, values, u),
+            2 => nodes::pair(run.nodes::<2>(k, node..node + 2).blocks, [values; 2], u)[0],
+            3 => nodes::triple(run.nodes::<3>(k, node..node + 3).blocks, [values; 3], u)[0],
+            _ => single(k.row(i), u),
         };
         self.scaled(i, pull)
     }
@@ -124,52 +129,17 @@ impl Rows {
                 return;
             }
         };
-        let (starts, columns, values) = k.parts();
-        let values = |i: usize| &values[starts[i]..starts[i + 1]];
         match run.directions {
-            2 => pulls.as_chunks_mut::<2>().0.iter_mut().zip(rows.step_by(2)).for_each(|(to, i)| {
-                *to = pair(run.of_node::<2>(starts, i), [values(i), values(i + 1)], u);
-            }),
-            3 => pulls.as_chunks_mut::<3>().0.iter_mut().zip(rows.step_by(3)).for_each(|(to, i)| {
-                *to = triple(run.of_node::<3>(starts, i), [values(i), values(i + 1), values(i + 2)], u);
-            }),
-            _ => pulls.iter_mut().zip(rows).for_each(|(to, i)| {
-                *to = single(&columns[starts[i]..starts[i + 1]], values(i), u);
-            }),
+            2 => nodes::pairs(self.instructions, run.nodes::<2>(k, rows), u, pulls),
+            3 => nodes::triples(run.nodes::<3>(k, rows), u, pulls),
+            _ => pulls.iter_mut().zip(rows).for_each(|(to, i)| *to = single(k.row(i), u)),
         }
     }
 }
 
 #[inline]
-fn single(columns: &[u32], values: &[f64], u: &[f64]) -> f64 {
+fn single((columns, values): (&[u32], &[f64]), u: &[f64]) -> f64 {
     columns.iter().zip(values).map(|(j, k)| k * u[*j as usize]).sum()
-}
-
-/// Two rows of a node times u; the columns come in pairs.
-#[inline]
-fn pair(blocks: &[u32], rows: [&[f64]; 2], u: &[f64]) -> [f64; 2] {
-    let [a, b] = rows.map(|row| row.as_chunks::<2>().0);
-    let (mut x, mut y) = ([0.0; 2], [0.0; 2]);
-    for ((block, a), b) in blocks.iter().zip(a).zip(b) {
-        let u = &u[*block as usize..][..2];
-        x = [x[0] + a[0] * u[0], x[1] + a[1] * u[1]];
-        y = [y[0] + b[0] * u[0], y[1] + b[1] * u[1]];
-    }
-    [x[0] + x[1], y[0] + y[1]]
-}
-
-/// Three rows of a node times u; the columns come in threes.
-#[inline]
-fn triple(blocks: &[u32], rows: [&[f64]; 3], u: &[f64]) -> [f64; 3] {
-    let [a, b, c] = rows.map(|row| row.as_chunks::<3>().0);
-    let mut sums = [[0.0; 3]; 3];
-    for (((block, a), b), c) in blocks.iter().zip(a).zip(b).zip(c) {
-        let u = &u[*block as usize..][..3];
-        for (sum, row) in sums.iter_mut().zip([a, b, c]) {
-            *sum = [sum[0] + row[0] * u[0], sum[1] + row[1] * u[1], sum[2] + row[2] * u[2]];
-        }
-    }
-    sums.map(|sum| sum[0] + sum[1] + sum[2])
 }
 
 /// The runs of some rows: blocks of three rows if there are such, else of two.
