@@ -7,6 +7,7 @@ use super::element::Coordinates;
 use super::topology::Mesh;
 use crate::error::Refusal;
 use crate::interrupt;
+use crate::memory;
 use crate::pencil::Matrix;
 use crate::sparse::Csr;
 
@@ -203,6 +204,8 @@ impl Elements {
         }
         let entries = starts[unknowns];
         let (mut indices, mut values) = (vec![0_u32; entries], vec![0.0; entries]);
+        memory::prefer_large_pages(&indices);
+        memory::prefer_large_pages(&values);
         let (mut indices_left, mut values_left) = (&mut indices[..], &mut values[..]);
         let (mut tasks, mut row) = (Vec::new(), 0);
         for (body, of) in self.bodies.iter().enumerate() {

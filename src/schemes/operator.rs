@@ -6,7 +6,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::inertia::Inertia;
-use super::kernels::{self, Instructions};
+use super::kernels::{self, Instructions, dispatched};
 use super::rows::{ROWS, Rows};
 use crate::error::Refusal;
 use crate::pencil::{Matrix, Pencil, Tridiagonal};
@@ -14,7 +14,7 @@ use crate::pencil::{Matrix, Pencil, Tridiagonal};
 /// Consecutive nodes with the same row of (f - K u):
 /// left (u_{i-1} - u_i) + right (u_{i+1} - u_i) - ground u_i + load.
 #[derive(Debug, Clone, PartialEq)]
-struct Stretch {
+pub(super) struct Stretch {
     nodes: Range<usize>,
     left: f64,
     right: f64,
@@ -24,6 +24,7 @@ struct Stretch {
 
 impl Stretch {
     /// Whether the row is a plain second difference, as inside a uniform bar.
+    #[inline(always)]
     fn is_uniform(&self) -> bool {
         self.left == self.right && self.ground == 0.0 && self.left != 0.0
     }
@@ -34,11 +35,17 @@ impl Stretch {
     }
 
     /// The row at node i.
-    #[inline]
+    #[inline(always)]
     fn rate(&self, u: &[f64], i: usize) -> f64 {
-        let towards = |c: f64, j: usize| if c == 0.0 { 0.0 } else { c * (u[j] - u[i]) };
-        let left = towards(self.left, i.wrapping_sub(1));
-        left + towards(self.right, i + 1) - self.ground * u[i] + self.load
+        let at = |j: usize| u.get(j).copied().unwrap_or(0.0);
+        self.rate_between(at(i.wrapping_sub(1)), u[i], at(i + 1))
+    }
+
+    /// The same from the displacements of a node and its neighbours; that of a missing one does not matter.
+    #[inline(always)]
+    fn rate_between(&self, left: f64, here: f64, right: f64) -> f64 {
+        let towards = |c: f64, there: f64| if c == 0.0 { 0.0 } else { c * (there - here) };
+        towards(self.left, left) + towards(self.right, right) - self.ground * here + self.load
     }
 }
 
@@ -127,25 +134,10 @@ impl Operator {
         self.rows.at(u, i)
     }
 
-    /// v += rate, next = u + dt v in one pass; M diagonal.
-    pub(super) fn kick_drift(&self, dt: f64, u: &[f64], velocity: &mut [f64], next: &mut [f64]) {
+    /// v += rate, u += dt v in one pass; M diagonal. `next` is for displacements that others still need.
+    pub(super) fn kick_drift(&self, dt: f64, u: &mut Vec<f64>, velocity: &mut [f64], next: &mut Vec<f64>) {
         match &self.rows {
-            Forces::Stretches(stretches) => {
-                for stretch in stretches {
-                    let Range { start, end } = stretch.nodes;
-                    let (velocity, next) = (&mut velocity[start..end], &mut next[start..end]);
-                    if stretch.is_uniform() {
-                        let around = &u[start - 1..end + 1];
-                        let (c, load) = (stretch.left, stretch.load);
-                        kernels::kick_drift(self.instructions, c, load, dt, around, velocity, next);
-                    } else {
-                        for i in start..end {
-                            velocity[i - start] += stretch.rate(u, i);
-                            next[i - start] = u[i] + dt * velocity[i - start];
-                        }
-                    }
-                }
-            }
+            Forces::Stretches(stretches) => kick_drift_row(self.instructions, stretches, dt, u, velocity),
             Forces::Sparse(rows) => {
                 let pieces = velocity.par_chunks_mut(ROWS).zip(next.par_chunks_mut(ROWS));
                 pieces.enumerate().for_each(|(task, (velocity, next))| {
@@ -159,6 +151,7 @@ impl Operator {
                         }
                     });
                 });
+                std::mem::swap(u, next);
             }
         }
     }
@@ -167,6 +160,30 @@ impl Operator {
     pub fn drift(&self, dt: f64, kick: &[f64], velocity: &mut [f64], u: &mut [f64]) {
         kernels::drift(self.instructions, dt, kick, velocity, u);
     }
+}
+
+#[inline(always)]
+fn kick_drift_stretches(stretches: &[Stretch], dt: f64, u: &mut [f64], velocity: &mut [f64]) {
+    let mut left = 0.0;
+    for stretch in stretches {
+        let Range { start, end } = stretch.nodes;
+        if stretch.is_uniform() {
+            let (u, velocity) = (&mut u[start..=end], &mut velocity[start..end]);
+            left = kernels::kick_drift(stretch.left, stretch.load, dt, left, u, velocity);
+            continue;
+        }
+        for i in start..end {
+            let (here, right) = (u[i], u.get(i + 1).copied().unwrap_or(0.0));
+            velocity[i] += stretch.rate_between(left, here, right);
+            u[i] = here + dt * velocity[i];
+            left = here;
+        }
+    }
+}
+
+dispatched! {
+    /// v += rate, u += dt v over all stretches: a bar of some hundred nodes would feel a choice for each.
+    kick_drift_row = kick_drift_stretches(stretches: &[Stretch], dt: f64, u: &mut [f64], velocity: &mut [f64])
 }
 
 /// The rows of f - K u, times `factor` of their node, equal neighbours joined.

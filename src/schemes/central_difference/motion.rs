@@ -141,7 +141,11 @@ impl Steps {
     /// Lumped mass, contacts at nodes of their own: the contact nodes first, then one pass over all nodes. The same bytes
     /// as the two passes of [`Self::accelerate`] and a drift.
     fn fused_step(&mut self) {
-        let Self { body: Body { contacts, operator, .. }, state, .. } = self;
+        let Self { body: Body { contacts, operator, dt, .. }, state, next, .. } = self;
+        if contacts.is_empty() {
+            operator.kick_drift(*dt, &mut state.displacement, &mut state.velocity, next);
+            return;
+        }
         for (j, kick) in self.free_kick.iter_mut().enumerate() {
             let rate = |(node, z): &(u32, f64)| z * operator.rate_at(&state.displacement, *node as usize);
             *kick = contacts.column(j).iter().map(rate).sum();
@@ -157,8 +161,7 @@ impl Steps {
                 touched.push((node, state.displacement[node] + *dt * velocity, velocity));
             }
         }
-        operator.kick_drift(*dt, &state.displacement, &mut state.velocity, next);
-        std::mem::swap(&mut state.displacement, next);
+        operator.kick_drift(*dt, &mut state.displacement, &mut state.velocity, next);
         for (node, displacement, velocity) in touched {
             (state.displacement[*node], state.velocity[*node]) = (*displacement, *velocity);
         }
@@ -174,8 +177,10 @@ impl Motion for Steps {
         } else {
             self.fused_step();
         }
-        self.advance_gaps();
-        self.state.settle(&self.body.contacts);
+        if !self.body.contacts.is_empty() {
+            self.advance_gaps();
+            self.state.settle(&self.body.contacts);
+        }
         self.synchronised = false;
         self.state.steps += 1;
     }
