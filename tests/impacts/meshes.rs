@@ -104,6 +104,36 @@ fn bars_as_meshes_give_the_same_histories() {
     }
 }
 
+/// Central differences find what they are asked for in the next step otherwise, in one pass: the same bytes.
+#[test]
+fn looking_at_central_differences_changes_nothing() {
+    let bars = |scene: Scene| {
+        Encounter::of_bars(&Model::new(scene, MassMatrix::LUMPED, PenaltyMass::Consistent)).unwrap()
+    };
+    let free = Scene::new("free", End::Free, vec![Bar::unit(40)], End::Free, None).unwrap();
+    let velocity = (0..41).map(|i| f64::from(i * 37 % 11)).collect();
+    let free = bars(free).with_velocity(velocity).unwrap();
+    for encounter in [free, bars(row()), block(0.01, [40, 60], MassMatrix::LUMPED)] {
+        let motion = || {
+            let penalty = encounter.penalty(10.0, 1.0);
+            let passage = Passage::new(encounter.clone(), SchemeName::CentralDifference, penalty, 0.9, 1.0);
+            passage.unwrap().prepare(false).unwrap()
+        };
+        let (mut seen, mut unseen) = (motion(), motion());
+        for _ in 0..500 {
+            seen.synchronise();
+            seen.step();
+            unseen.step();
+        }
+        let bits = |x: &[f64]| x.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+        let (seen, unseen) = (seen.state(), unseen.state());
+        assert_eq!(bits(&seen.displacement), bits(&unseen.displacement));
+        assert_eq!(bits(&seen.velocity), bits(&unseen.velocity));
+        assert_eq!(bits(&seen.gap), bits(&unseen.gap));
+        assert!(seen.displacement.iter().all(|u| *u != 0.0));
+    }
+}
+
 /// A block of 40 x 3 squares, held at its sides, that hits a wall at once: a bar of the modulus of plane strain waves.
 fn block(gap: f64, cells: [usize; 2], mass: MassMatrix) -> Encounter {
     let text = format!(
