@@ -17,6 +17,8 @@ mod double_double;
 mod energy;
 #[path = "damping/exact.rs"]
 mod exact;
+#[path = "damping/meshes.rs"]
+mod meshes;
 #[path = "common/numbers.rs"]
 mod numbers;
 #[path = "damping/predictor_corrector.rs"]

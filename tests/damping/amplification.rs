@@ -10,7 +10,7 @@ use bipenalty::pencil::{Bounds, Gap, Matrix, Penalty, Pencil};
 use bipenalty::spectrum::{Enclosure, Evidence, Step, StepLimit, engine};
 use faer::linalg::solvers::Llt;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Mat, Par, Side};
+use faer::{Mat, Par, Side, c64};
 
 use crate::numbers::Numbers;
 use crate::scenes;
@@ -80,28 +80,22 @@ impl Roots {
     }
 
     pub fn is_stable(&self, h: f64) -> bool {
-        let roots = self.matrix(h).eigenvalues().unwrap();
+        // In complex numbers: from 75 rows on faer 0.24.4 may sort the pairs of a real matrix that lie on the circle for ever.
+        let real = self.matrix(h);
+        let matrix = Mat::from_fn(real.nrows(), real.ncols(), |i, j| c64::new(real[(i, j)], 0.0));
+        let roots = matrix.eigenvalues().unwrap();
         roots.iter().filter(|z| (z.re - 1.0).hypot(z.im) > 1e-4).all(|z| z.re.hypot(z.im) <= 1.0 + 1e-10)
-    }
-
-    /// The limit by bisection between half and twice `near`.
-    fn limit(&self, near: f64) -> f64 {
-        let (mut low, mut high) = (0.5 * near, 2.0 * near);
-        assert!(self.is_stable(low) && !self.is_stable(high), "no limit from {low} to {high}");
-        while high - low > 1e-11 * high {
-            let middle = 0.5 * (low + high);
-            if self.is_stable(middle) { low = middle } else { high = middle }
-        }
-        0.5 * (low + high)
     }
 
     /// Whether the roots leave where `step` says, to 1e-9, and nowhere below.
     pub fn confirm(&self, step: &Step, place: &str) {
         assert_eq!(step.evidence, Evidence::Proven, "{place}");
-        let (found, limit) = (step.seconds(), self.limit(step.seconds()));
-        assert!((found / limit - 1.0).abs() < 1e-9, "{found} is not {limit}: {place}");
-        for share in [0.03, 0.2, 0.7, 0.9, 0.99, 0.9999] {
+        let limit = step.seconds();
+        for share in [0.03, 0.2, 0.7, 0.9, 0.99, 0.9999, 1.0 - 1e-9] {
             assert!(self.is_stable(share * limit), "grows at {share} of {limit}: {place}");
+        }
+        for share in [1.0 + 1e-9, 1.0001, 1.1, 2.0] {
+            assert!(!self.is_stable(share * limit), "does not grow at {share} of {limit}: {place}");
         }
     }
 }
