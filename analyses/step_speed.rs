@@ -80,21 +80,13 @@ fn compare(options: &Options) -> Result<Verdict> {
         // A file left in the temporary directory is no failure of the measurement.
         let _ = std::fs::remove_file(program);
     }
-    let python = |arguments: &[&str]| {
-        output(Command::new("python3").arg(peers().join("step_speed.py")).args(arguments))
-    };
-    match python(&["bar", &NODES[1].to_string(), "5000", "3"]) {
+    let script = peers().join("step_speed.py");
+    let bar = ["bar", &NODES[1].to_string(), "5000", "3"];
+    match output(Command::new("python3").arg(script).args(bar)) {
         Some(rate) => println!("numpy, lumped, {} nodes: {rate:.3e} 1/s", NODES[1]),
         None => println!("no numpy peer: python3 with numpy was not found"),
     }
-    let square = Square::measure(options.repeats)?;
-    println!("{square}");
-    match python(&["square", &(CELLS + 1).to_string(), "1", &options.repeats.to_string()]) {
-        Some(step) => {
-            println!("scipy.sparse: {:.2} ms a step, {:.2} times ours", 1e3 * step, step / square.step)
-        }
-        None => println!("no scipy peer: python3 with scipy was not found"),
-    }
+    println!("{}", Square::measure(options.repeats)?);
     Ok(Verdict::Holds)
 }
 
