@@ -79,21 +79,16 @@ fn control_group() -> Option<u64> {
 pub(crate) fn prefer_large_pages<T>(entries: &[T]) {
     #[cfg(target_os = "linux")]
     {
-        use std::ffi::{c_int, c_void};
-        unsafe extern "C" {
-            fn madvise(address: *mut c_void, length: usize, advice: c_int) -> c_int;
-        }
-        const HUGEPAGE: c_int = 14;
         const LARGE: usize = 2 << 20;
         let range = entries.as_ptr_range();
         let (start, end) = (range.start.addr().next_multiple_of(LARGE), range.end.addr());
         if end > start + LARGE {
             // SAFETY: whole pages of this allocation, whose contents the advice leaves as they are.
             unsafe {
-                madvise(
+                libc::madvise(
                     range.start.with_addr(start).cast_mut().cast(),
                     (end - start) / LARGE * LARGE,
-                    HUGEPAGE,
+                    libc::MADV_HUGEPAGE,
                 )
             };
         }

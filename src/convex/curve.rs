@@ -229,6 +229,7 @@ impl<S: Source> Curve<S> {
         let mut slope = 0.0;
         if self.source.has_contacts() {
             let found = self.source.seek((0.0, 1.0), None, &start::search(&self.options));
+            // Not closer than 1e-9 at first: mu bounds slopes, and what it has too much no map asks for.
             slope = self.climb(found.value, (0.0, 1.0), found.residual.max(1e-9 * found.value)).ok_or_else(
                 || {
                     Refusal::new(
@@ -367,6 +368,7 @@ impl<S: Source> Curve<S> {
     }
 
     pub(super) fn search(&self, closed: bool) -> Search {
+        // A small part of what is asked, so that the proof decides; Lanczos in f64 reaches little beyond 1e-12.
         let tolerance = (0.05 * self.goal()).max(1e-12);
         Search { basis: self.options.basis, tolerance, most_products: self.options.most_products, closed }
     }
