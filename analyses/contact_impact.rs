@@ -9,10 +9,10 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use analyses::cli::{
-    Analysis, FinishedRun, Format, Frame, Kept, Output, OutputOptions, PlannedPassage, PlannedRun, Progress,
-    SceneOptions, StepOptions, Verdict, axis_word, check_memory, check_passages, check_stems, checked_grid,
-    draw_impacts, draw_passages, execute, execute_passages, narrate, penalties_of, print_impacts, question,
-    require_memory, write_impacts,
+    Analysis, FinishedRun, Format, Frame, Intent, Kept, Output, OutputOptions, PlannedPassage, PlannedRun,
+    Progress, SceneOptions, StepOptions, Verdict, axis_word, check_memory, check_passages, check_stems,
+    checked_grid, draw_impacts, draw_passages, execute, execute_passages, narrate, penalties_of,
+    print_impacts, question, require_memory, write_impacts,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::ImpactRow;
@@ -125,15 +125,16 @@ impl Analysis for Options {
         plan(self)
     }
 
-    fn explain(&self, groups: &Self::Plan) -> Result<String> {
-        let steps = |planned: &PlannedRun| format!("{}: {} steps\n", planned.stem(), planned.run.steps());
-        let text = |group: &Group| match group {
-            Group::Bars(runs) => runs.iter().map(steps).collect::<String>(),
-            Group::Mesh(runs) => runs.iter().map(|run| run.explain(kept(self, run))).collect(),
+    fn explain(&self, groups: &Self::Plan) -> Result<Vec<Intent>> {
+        let intents = |group: &Group| -> Vec<Intent> {
+            match group {
+                Group::Bars(runs) => runs.iter().map(|run| run.explain(&recording(self, &run.run))).collect(),
+                Group::Mesh(runs) => runs.iter().map(|run| run.explain(kept(self, run))).collect(),
+            }
         };
         let left_out =
-            "left out: eigenvectors; mass solves where the mass is lumped; exact solutions a scene has not\n";
-        Ok(groups.iter().map(text).collect::<String>() + left_out)
+            "left out: eigenvectors; mass solves where the mass is lumped; exact solutions a scene has not";
+        Ok(groups.iter().flat_map(intents).chain([Intent::of_all(left_out)]).collect())
     }
 
     fn frames(&self, groups: &Self::Plan) -> Vec<Frame> {

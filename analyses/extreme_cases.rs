@@ -6,7 +6,9 @@
 
 use std::process::ExitCode;
 
-use analyses::cli::{Analysis, Frame, Output, OutputOptions, Progress, Verdict, narrate, print_table};
+use analyses::cli::{
+    Analysis, Frame, Intent, Output, OutputOptions, Progress, Verdict, narrate, print_table,
+};
 use analyses::error::{Refusal, Result};
 use clap::Parser;
 use precision::{Case, Checked, References, cases, distinct};
@@ -45,8 +47,9 @@ impl Analysis for Options {
         choose(&self.words)
     }
 
-    fn explain(&self, cases: &Vec<Case>) -> Result<String> {
-        Ok(format!("{} cases against tests/data/extreme_cases.csv; left out: figures\n", cases.len()))
+    fn explain(&self, cases: &Vec<Case>) -> Result<Vec<Intent>> {
+        let cases = format!("{} cases against tests/data/extreme_cases.csv; left out: figures", cases.len());
+        Ok(vec![Intent::of_all(cases)])
     }
 
     fn frames(&self, _cases: &Vec<Case>) -> Vec<Frame> {

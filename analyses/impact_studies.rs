@@ -7,7 +7,9 @@
 use std::process::ExitCode;
 
 use analyses::charts::studies;
-use analyses::cli::{Analysis, Frame, Output, OutputOptions, Progress, Verdict, narrate, print_table};
+use analyses::cli::{
+    Analysis, Frame, Intent, Output, OutputOptions, Progress, Verdict, narrate, print_table,
+};
 use analyses::error::Result;
 use analyses::meshes::impacts::{self, ImpactFineness};
 use analyses::record::{Number, StudyRow};
@@ -91,16 +93,16 @@ impl Analysis for Options {
         Ok((asked.collect(), fine))
     }
 
-    fn explain(&self, (studies, fine): &Self::Plan) -> Result<String> {
+    fn explain(&self, (studies, fine): &Self::Plan) -> Result<Vec<Intent>> {
         let names: Vec<&str> = studies.iter().map(|study| study.name()).collect();
-        Ok(format!(
-            "{}: a block of {:?} cells, {} penalties; each scheme at {} of its own linear limit; left out: loads, and meshes \
-             without an exact solution\n",
-            names.join(", "),
+        let method = format!(
+            "a block of {:?} cells, {} penalties; each scheme at {} of its own linear limit; left out: loads, and meshes \
+             without an exact solution",
             fine.cells,
             fine.penalties.len(),
             impacts::SHARE,
-        ))
+        );
+        Ok(vec![Intent::of(names.join(", "), method)])
     }
 
     fn folder(&self) -> String {

@@ -7,7 +7,9 @@
 use std::process::ExitCode;
 
 use analyses::charts;
-use analyses::cli::{Analysis, Frame, Output, OutputOptions, Progress, Units, Verdict, narrate, print_table};
+use analyses::cli::{
+    Analysis, Frame, Intent, Output, OutputOptions, Progress, Units, Verdict, narrate, print_table,
+};
 use analyses::error::{Refusal, Result};
 use analyses::meshes::{self, Fineness};
 use analyses::record::{MeshRow, StabilityRow, Subject};
@@ -125,16 +127,16 @@ impl Analysis for Options {
         Ok((asked, if self.quick { Fineness::QUICK } else { Fineness::FIGURES }))
     }
 
-    fn explain(&self, (studies, fine): &Self::Plan) -> Result<String> {
+    fn explain(&self, (studies, fine): &Self::Plan) -> Result<Vec<Intent>> {
         let names: Vec<&str> = studies.iter().map(|study| study.name()).collect();
         let disc =
             if meshes::disc().is_some() { "" } else { ", without the disc, whose mesh is not at hand" };
         let Fineness { plane, space, points } = fine;
-        Ok(format!(
-            "{}: blocks of {plane} cells along an edge in the plane and {space} in space, {points} penalties{disc}; enclosed by \
-             the convex curve; left out: schemes other than central differences\n",
-            names.join(", ")
-        ))
+        let method = format!(
+            "blocks of {plane} cells along an edge in the plane and {space} in space, {points} penalties{disc}; enclosed by \
+             the convex curve; left out: schemes other than central differences"
+        );
+        Ok(vec![Intent::of(names.join(", "), method)])
     }
 
     fn folder(&self) -> String {

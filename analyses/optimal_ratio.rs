@@ -11,8 +11,9 @@ use std::sync::Arc;
 
 use analyses::charts;
 use analyses::cli::{
-    self, Analysis, Frame, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Units, Verdict,
-    check_stems, checked_grid, narrate, print_table, redraw_optimal_ratio, require_memory, tabulate_ratios,
+    self, Analysis, Frame, Intent, LimitOptions, Output, OutputOptions, Progress, SceneOptions, Units,
+    Verdict, check_stems, checked_grid, narrate, print_table, redraw_optimal_ratio, redrawn, require_memory,
+    tabulate_ratios,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{OptimalRatioRow, Subject};
@@ -98,11 +99,9 @@ impl Analysis for Options {
         Ok(Plan::Models(models, grid))
     }
 
-    fn explain(&self, plan: &Plan) -> Result<String> {
+    fn explain(&self, plan: &Plan) -> Result<Vec<Intent>> {
         match plan {
-            Plan::Redraw(file) => {
-                Ok(format!("{}: drawn again; left out: every computation\n", file.display()))
-            }
+            Plan::Redraw(file) => Ok(vec![redrawn(file)]),
             Plan::Models(models, grid) => {
                 let models = models.iter().flatten();
                 Ok(models.map(|model| explain(model, self, grid)).collect::<Result<_, Refusal>>()?)
@@ -247,16 +246,18 @@ fn search(model: &Arc<AnyModel>, options: &Options, progress: &Progress) -> Resu
     Ok(Found { model: model.clone(), expected, rows })
 }
 
-fn explain(model: &AnyModel, options: &Options, grid: &Grid) -> Result<String, Refusal> {
+fn explain(model: &AnyModel, options: &Options, grid: &Grid) -> Result<Intent, Refusal> {
     let (values, limit) = (grid.stiffness_penalties.len(), options.limit.asking()?.limit);
-    let method = match (model, limit) {
-        (AnyModel::Bars(_), LimitOf::Scheme(_)) => {
-            format!("{}: bisection on the limit of {}", model.name(), options.limit.name()?)
-        }
-        _ => cli::explain(model, &options.limit, grid)?,
-    };
     let each = if matches!(model, AnyModel::Bars(_)) { ", about 150 limits each" } else { "" };
-    Ok(format!("{values} values of beta_s{each}\n  {method}\n"))
+    let values = format!("{values} values of beta_s{each}");
+    Ok(match (model, limit) {
+        (AnyModel::Bars(_), LimitOf::Scheme(_)) => {
+            let bisection =
+                format!("bisection on the limit of {}; left out: eigenvectors", options.limit.name()?);
+            Intent::of(model.name(), format!("{values}: {bisection}"))
+        }
+        _ => cli::explain(model, &options.limit, grid)?.preceded(&values),
+    })
 }
 
 fn summarise(found: &[Found]) {

@@ -11,9 +11,9 @@ use std::sync::Arc;
 
 use analyses::charts;
 use analyses::cli::{
-    Analysis, Chart, ForceOptions, ForcePlan, Frame, Job, Limit, LimitOptions, Output, OutputOptions,
+    Analysis, Chart, ForceOptions, ForcePlan, Frame, Intent, Job, Limit, LimitOptions, Output, OutputOptions,
     Progress, SceneOptions, Units, Verdict, check_stems, check_touches, narrate, print_costs, print_table,
-    question, redraw_costs,
+    question, redraw_costs, redrawn,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{CostRow, OptimalRatioRow, StabilityRow, Subject};
@@ -87,9 +87,9 @@ impl Analysis for Options {
         plan(self)
     }
 
-    fn explain(&self, plan: &Self::Plan) -> Result<String> {
+    fn explain(&self, plan: &Self::Plan) -> Result<Vec<Intent>> {
         Ok(match plan {
-            Plan::Redraw(file) => format!("{}: drawn again; left out: every computation\n", file.display()),
+            Plan::Redraw(file) => vec![redrawn(file)],
             Plan::Limits(models) => models.iter().flatten().map(|model| explain(model)).collect(),
             Plan::Costs(plan) => plan.explain(),
         })
@@ -201,13 +201,12 @@ fn plan(options: &Options) -> Result<Plan> {
     Ok(Plan::Limits(models))
 }
 
-fn explain(model: &AnyModel) -> String {
-    let mass = model.mass().map_or(String::new(), |mass| format!(", {} mass", mass.name()));
-    format!(
-        "{}{mass}: {} limits as curves and maps, largest ratio without cost; left out: eigenvectors\n",
-        model.name(),
-        LIMITS.iter().filter(|limit| serves(model, **limit)).count()
-    )
+fn explain(model: &AnyModel) -> Intent {
+    let mass = model.mass().map_or(String::new(), |mass| format!(" ({} mass)", mass.name()));
+    let limits = LIMITS.iter().filter(|limit| serves(model, **limit)).count();
+    let method =
+        format!("{limits} limits as curves and maps, largest ratio without cost; left out: eigenvectors");
+    Intent::of(format!("{}{mass}", model.name()), method)
 }
 
 /// Whether the limit is found for the model: Park's of a mesh with many contacts is not. Bars say themselves what they refuse.

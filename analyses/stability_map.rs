@@ -9,10 +9,10 @@ use std::process::ExitCode;
 
 use analyses::charts;
 use analyses::cli::{
-    Analysis, Chart, FEW_POINTS, Format, Frame, Job, LimitOptions, MapSummary, Output, OutputOptions,
+    Analysis, Chart, FEW_POINTS, Format, Frame, Intent, Job, LimitOptions, MapSummary, Output, OutputOptions,
     Progress, RatioSpec, SceneOptions, Solved, Units, Verdict, axis_word, check_stems, governing_answer,
     hold_step, narrate, paper, penalties_of, point_answers, print_summaries, question, redraw_stability,
-    step_and_cost,
+    redrawn, step_and_cost,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{StabilityRow, StepRow, Subject};
@@ -111,16 +111,13 @@ impl Analysis for Options {
         })
     }
 
-    fn explain(&self, plan: &Plan) -> Result<String> {
+    fn explain(&self, plan: &Plan) -> Result<Vec<Intent>> {
         match plan {
-            Plan::Redraw(files) => {
-                let line = |file: &PathBuf| {
-                    format!("{}: drawn again; left out: every computation\n", file.display())
-                };
-                Ok(files.iter().map(line).collect())
-            }
+            Plan::Redraw(files) => Ok(files.iter().map(|file| redrawn(file)).collect()),
             Plan::Jobs(jobs) | Plan::Step(jobs, _) => {
-                Ok(jobs.iter().map(|job| job.explain(&self.limit)).collect::<Result<_, _>>()?)
+                let jobs: Vec<_> =
+                    jobs.iter().map(|job| job.explain(&self.limit)).collect::<Result<_, _>>()?;
+                Ok(jobs.concat())
             }
         }
     }

@@ -12,9 +12,9 @@ use std::sync::Arc;
 
 use analyses::charts::verification;
 use analyses::cli::{
-    Analysis, Contact, Frame, OpeningOptions, OpeningPlan, OpeningResult, Output, OutputOptions, Progress,
-    SceneOptions, Verdict, axis_word, check_stems, checked_grid, narrate, penalties_of, print_reasons,
-    print_verification, question, require_memory,
+    Analysis, Contact, Frame, Intent, OpeningOptions, OpeningPlan, OpeningResult, Output, OutputOptions,
+    Progress, SceneOptions, Verdict, axis_word, check_stems, checked_grid, narrate, penalties_of,
+    print_reasons, print_verification, question, require_memory,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::{GIVEN, StabilityRow, Subject, VerifyRow};
@@ -118,7 +118,7 @@ impl Analysis for Options {
         Ok((closed, opening))
     }
 
-    fn explain(&self, (closed, opening): &Self::Plan) -> Result<String> {
+    fn explain(&self, (closed, opening): &Self::Plan) -> Result<Vec<Intent>> {
         let closed = closed.iter().flat_map(Study::explain);
         Ok(closed.chain(opening.iter().map(OpeningPlan::explain)).collect())
     }
@@ -282,7 +282,7 @@ impl Study {
         Ok(Self { beta_s, ratio, grid, jobs })
     }
 
-    fn explain(&self) -> impl Iterator<Item = String> {
+    fn explain(&self) -> impl Iterator<Item = Intent> {
         self.jobs.iter().map(|job| explain(job, &self.grid))
     }
 
@@ -412,7 +412,7 @@ fn is_drawn(grid: &Grid) -> bool {
     grid.stiffness_penalties.len() > 1 && grid.ratios.len() <= verification::MOST_RATIOS
 }
 
-fn explain(job: &Job, grid: &Grid) -> String {
+fn explain(job: &Job, grid: &Grid) -> Intent {
     let search = Search::to(job.tolerance, &*job.scheme);
     let (steps, short, long) = search
         .as_ref()
@@ -422,14 +422,14 @@ fn explain(job: &Job, grid: &Grid) -> String {
     } else {
         String::new()
     };
-    format!(
-        "{}: {} points to {:e}, by trials of {steps} steps, in which a growth of {short:.1e} a step shows{long} and a \
+    let method = format!(
+        "{} points to {:e}, by trials of {steps} steps, in which a growth of {short:.1e} a step shows{long} and a \
          slower one may not (stable_at = 0: growth beyond the pair is no faster than that of a motion growing at every \
          step, or the trials are too short to tell); the prediction only says where to look first{}; left out: \
-         eigenvectors\n",
-        job.stem,
+         eigenvectors",
         grid.len() * job.models.len(),
         job.tolerance,
         if is_drawn(grid) { "" } else { ", not drawn" }
-    )
+    );
+    Intent::of(&job.stem, method)
 }

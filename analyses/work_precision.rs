@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use analyses::charts;
 use analyses::cli::{
-    Analysis, Frame, Output, OutputOptions, Peers, Progress, Verdict, machine, narrate, print_table,
+    Analysis, Frame, Intent, Output, OutputOptions, Peers, Progress, Verdict, machine, narrate, print_table,
     restarted_with_one_blas_thread,
 };
 use analyses::error::Result;
@@ -93,7 +93,7 @@ impl Analysis for Options {
         Ok(Plan { amount, impacts: impacts(amount)?, peers: Peers::find(self.peers.as_deref())? })
     }
 
-    fn explain(&self, plan: &Plan) -> Result<String> {
+    fn explain(&self, plan: &Plan) -> Result<Vec<Intent>> {
         Ok(explain(plan.amount, plan.impacts.len(), plan.peers.is_some()))
     }
 
@@ -206,23 +206,28 @@ fn write(output: &Output, amount: &Amount, measurements: &[Measurement]) -> Resu
     Ok(files)
 }
 
-fn explain(amount: &Amount, impacts: usize, peers: bool) -> String {
+fn explain(amount: &Amount, impacts: usize, peers: bool) -> Vec<Intent> {
     let methods: Vec<String> = Method::ALL.iter().map(|method| method.name()).collect();
-    format!(
-        "eigenvalues: {} on {} with {:?} elements, against tests/data/work_precision.csv\n\
-         impacts: {impacts} ({}; three mass matrices, three schemes, {:?} elements, C = {:?}), beta_s = 1e4, r = 1, \
-         against d'Alembert\n\
-         peers: {}\n\
-         times: the smallest of at least 3 runs, one at a time; left out: runs of more than {} s, recording while timed\n",
+    let eigenvalues = format!(
+        "{} on {} with {:?} elements, against tests/data/work_precision.csv",
         methods.join(", "),
         EIGENPROBLEMS.join(", "),
         amount.sizes,
+    );
+    let impacts = format!(
+        "{impacts} ({}; three mass matrices, three schemes, {:?} elements, C = {:?}), beta_s = 1e4, r = 1, against d'Alembert",
         SCENES.join(", "),
         amount.elements,
         amount.courants,
-        if peers { "scipy and numpy, by analyses/peers/work_precision.py" } else { "none" },
+    );
+    let times = format!(
+        "the smallest of at least 3 runs, one at a time; left out: runs of more than {} s, recording while timed",
         amount.clock.limit,
-    )
+    );
+    let peers = if peers { "scipy and numpy, by analyses/peers/work_precision.py" } else { "none" };
+    [("eigenvalues", eigenvalues), ("impacts", impacts), ("peers", peers.to_owned()), ("times", times)]
+        .map(|(subject, method)| Intent::of(subject, method))
+        .into()
 }
 
 /// One line a method: how many measurements are done, on the front, not done.

@@ -7,7 +7,8 @@ use clap::{Args, ValueHint};
 use std::path::PathBuf;
 
 use super::{
-    Chart, Frame, Job, Limit, LimitOptions, Output, Progress, Units, axis_word, penalties_of, question,
+    Chart, Frame, Intent, Job, Limit, LimitOptions, Output, Progress, Units, axis_word, penalties_of,
+    question,
 };
 use crate::charts;
 use crate::error::{Refusal, Result};
@@ -173,11 +174,11 @@ impl ForcePlan {
         drawn.map(frame).collect()
     }
 
-    /// The text of `--explain`.
-    pub fn explain(&self) -> String {
+    /// What `--explain` says.
+    pub fn explain(&self) -> Vec<Intent> {
         let line = |(job, schemes): &(Job, Vec<Priced>)| {
             let names: Vec<&str> = schemes.iter().map(|scheme| scheme.scheme.name()).collect();
-            format!("{}: {} points each of {}\n", job.stem, job.points(), names.join(", "))
+            Intent::of(&job.stem, format!("{} points each of {}", job.points(), names.join(", ")))
         };
         self.jobs.iter().map(line).collect()
     }

@@ -5,14 +5,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::Progress;
 use super::summary::short;
+use super::{Intent, Progress};
 use crate::charts::impacts::{ExactLine, RunRecord};
 use crate::error::{Refusal, Result};
 use crate::record::{HistoryRow, ImpactRow, StressRow};
 use bipenalty::impact::{self, Exact, History, Mesh, Recording, Run, least_every};
 use bipenalty::memory;
 use bipenalty::penalty::{Ratio, StiffnessPenalty};
+use bipenalty::schemes::SchemeName;
 
 /// One run and its penalties.
 #[derive(Debug, Clone)]
@@ -46,6 +47,28 @@ impl PlannedRun {
             short(self.beta_s.get()),
             short(self.ratio.get()),
         )
+    }
+
+    /// What `--explain` says of the run: its steps, and what they take on a machine of 2025.
+    pub fn explain(&self, recording: &Recording) -> Intent {
+        let Self { run, .. } = self;
+        let scene = run.model().scene();
+        let nodes = (scene.elements() + scene.bars().len()) as f64;
+        let node_step =
+            match (run.scheme().facts().name == SchemeName::Park.name(), run.model().mass().is_lumped()) {
+                (false, true) => 0.6e-9,
+                (false, false) => 2.2e-9,
+                (true, true) => 6.5e-9,
+                (true, false) => 12.5e-9,
+            };
+        let bytes = run.working_bytes() + run.history_bytes(recording);
+        let method = format!(
+            "{} steps, about {:.1e} s of one core without files; at most {} MB of memory",
+            run.steps(),
+            node_step * nodes * run.steps() as f64,
+            bytes.div_ceil(1_000_000)
+        );
+        Intent::of(self.stem(), method)
     }
 }
 

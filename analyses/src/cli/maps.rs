@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::{LimitOptions, Progress};
+use super::{Intent, LimitOptions, Progress};
 use crate::charts::{ContourLines, Level, interpolated_contours, is_logarithmic, levels};
 use crate::error::{Refusal, Result};
 use crate::record::StabilityRow;
@@ -208,43 +208,25 @@ impl Job {
     ///
     /// # Errors
     /// As [`AnyModel::plan`].
-    pub fn explain(&self, limit: &LimitOptions) -> Result<String, Refusal> {
-        let mut text = format!(
-            "{}: {} x {} points (beta_s x r), {}\n",
-            self.stem,
-            self.grid.stiffness_penalties.len(),
-            self.grid.ratios.len(),
-            match self.chart {
-                Chart::Curves => "drawn as curves over beta_s",
-                Chart::Map => "drawn as a map with explicit contour lines",
-                Chart::MassFamily => "drawn over gamma",
-                Chart::None => "not drawn",
-            }
-        );
-        // Models that differ by their mass matrices only stand in one line.
-        const MASS: &str = "{mass}";
-        let mut lines: Vec<(String, Vec<String>)> = Vec::new();
-        for model in &self.models {
-            let mass = model.mass().map_or_else(String::new, |mass| mass.name());
-            let line = super::explain(model, limit, &self.grid)?;
-            let line = line.replacen(&format!("{mass} mass"), &format!("{MASS} mass"), 1);
-            match lines.iter_mut().find(|(known, _)| *known == line) {
-                Some((_, masses)) => masses.push(mass),
-                None => lines.push((line, vec![mass])),
-            }
-        }
-        for (line, masses) in lines {
-            text += &format!("  {}\n", line.replacen(MASS, &masses.join(", "), 1));
-        }
-        let bytes = self.points() as u64 * BYTES_PER_POINT;
-        let seconds: Option<f64> = self
-            .models
-            .iter()
-            .map(|model| super::seconds_of(model, limit, self.points() / self.models.len()))
-            .sum();
+    pub fn explain(&self, limit: &LimitOptions) -> Result<Vec<Intent>, Refusal> {
+        let drawn = match self.chart {
+            Chart::Curves => "drawn as curves over beta_s",
+            Chart::Map => "drawn as a map with explicit contour lines",
+            Chart::MassFamily => "drawn over gamma",
+            Chart::None => "not drawn",
+        };
+        let (columns, rows) = (self.grid.stiffness_penalties.len(), self.grid.ratios.len());
+        let megabytes = (self.points() as u64 * BYTES_PER_POINT).div_ceil(1_000_000);
+        let each = self.points() / self.models.len();
+        let seconds =
+            self.models.iter().map(|model| super::seconds_of(model, limit, each)).sum::<Option<f64>>();
         let seconds =
             seconds.map_or_else(String::new, |s| format!(", about {s:.1e} s of one core without figures"));
-        Ok(text + &format!("  at most {} MB of memory for the records{seconds}\n", bytes.div_ceil(1_000_000)))
+        let size = format!(
+            "{columns} x {rows} points (beta_s x r), {drawn}; at most {megabytes} MB of memory for the records{seconds}"
+        );
+        let models = self.models.iter().map(|model| super::explain(model, limit, &self.grid));
+        std::iter::once(Ok(Intent::of(&self.stem, size))).chain(models).collect()
     }
 
     /// The contour lines of the maps: explicit, but for the limits of schemes with several contacts between bars, which are

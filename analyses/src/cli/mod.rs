@@ -9,6 +9,7 @@ mod forces;
 mod frames;
 mod impact_files;
 mod impacts;
+mod intents;
 mod limit;
 mod maps;
 mod names;
@@ -35,6 +36,7 @@ pub use impact_files::{draw_impacts, draw_passages, write_impacts};
 pub use impacts::{
     FinishedRun, PlannedRun, check_memory, exact_energy, exact_force, exact_stress, execute, suffix,
 };
+pub use intents::{Intent, redrawn};
 pub use limit::{Limit, LimitOptions};
 pub use maps::{Chart, Job, Solved, check_touches, checked_grid, paper, require_memory};
 pub use names::{axis_word, check_stems, question};

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use super::intents::{Intent, told};
 use super::{Frame, Output, OutputOptions, Verdict, arguments, finish};
 use crate::error::Result;
 
@@ -30,11 +31,11 @@ pub trait Analysis: Parser {
     /// Everything that can be refused before anything is computed or written.
     fn plan(&self) -> Result<Self::Plan>;
 
-    /// The text of `--explain`.
+    /// What `--explain` says.
     ///
     /// # Errors
     /// What describing the plan refuses.
-    fn explain(&self, plan: &Self::Plan) -> Result<String>;
+    fn explain(&self, plan: &Self::Plan) -> Result<Vec<Intent>>;
 
     /// The figures to come, as far as the plan tells: what of a style does not suit them is refused.
     fn frames(&self, plan: &Self::Plan) -> Vec<Frame>;
@@ -68,7 +69,7 @@ fn run<A: Analysis>(analysis: &A) -> Result<Verdict> {
     let output = Output::prepare(analysis.output(), A::NAME, &analysis.folder())?;
     output.check_style(&analysis.frames(&plan))?;
     if analysis.output().explain {
-        Output::print_text(&analysis.explain(&plan)?)?;
+        Output::print_text(&told(&analysis.explain(&plan)?))?;
         return Ok(Verdict::Holds);
     }
     let (found, files) = analysis.compute(plan, &output)?;

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
 use super::summary::short;
-use super::{Output, Progress, print_table};
+use super::{Intent, Output, Progress, print_table};
 use crate::charts::opening::{gain_maps, is_map};
 use crate::error::{Refusal, Result};
 use crate::record::{OpeningRow, Recommendation, VerifyRow, scans};
@@ -208,14 +208,15 @@ impl OpeningPlan {
     }
 
     /// What would be computed, in words.
-    pub fn explain(&self) -> String {
+    pub fn explain(&self) -> Intent {
         let steps: u64 = self.cases.iter().map(|case| case.trial.steps()).sum();
-        format!(
-            "contact that opens and closes: {} runs of {steps} steps in all, below the linear limits; left out: {} \
-             points that need more than {MOST_STEPS} steps a run\n",
+        let runs = format!(
+            "{} runs of {steps} steps in all, below the linear limits; left out: {} \
+             points that need more than {MOST_STEPS} steps a run",
             self.len(),
             self.left_out
-        )
+        );
+        Intent::of("contact that opens and closes", runs)
     }
 
     /// Executes the runs, in parallel.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::impacts::{BYTES_PER_WRITTEN_ROW, STOP};
 use super::output::RowFile;
 use super::summary::short;
-use super::{Output, Progress};
+use super::{Intent, Output, Progress};
 use crate::charts::impacts::RunRecord;
 use crate::error::{Error, Refusal, Result};
 use crate::record::{ContactRow, GIVEN, ImpactRow, PassageRow, PlaceRow};
@@ -170,15 +170,16 @@ impl PlannedPassage {
     }
 
     /// What will be done, in words.
-    pub fn explain(&self, kept: Kept) -> String {
+    pub fn explain(&self, kept: Kept) -> Intent {
         let Self { passage, .. } = self;
         let pencil = passage.encounter().pencil();
         let exact =
             if self.exact.is_empty() { "no exact solution" } else { "beside the exact force of bars" };
-        format!(
-            "{}: {} steps of {:.6e} s ({:.4} of the contact-free step), {} unknowns, {} contacts, about {} bytes for matrices and states and {} \
-             for rows; {exact}\n",
-            self.stem(),
+        // A step and the energies of its row read the matrices once; 7e9 bytes/s were measured of a sphere of 4,271 unknowns.
+        let seconds = 0.5 * passage.working_bytes() as f64 / 7e9 * passage.steps() as f64;
+        let method = format!(
+            "{} steps of {:.6e} s ({:.4} of the contact-free step), about {seconds:.1e} s; {} unknowns, {} contacts, about {} bytes for \
+             matrices and states and {} for rows; {exact}",
             passage.steps(),
             passage.time_step(),
             passage.time_step() / passage.encounter().critical_step(),
@@ -186,7 +187,8 @@ impl PlannedPassage {
             pencil.gaps().len(),
             passage.working_bytes(),
             passage.rows(kept.every) * BYTES_PER_WRITTEN_ROW,
-        )
+        );
+        Intent::of(self.stem(), method)
     }
 }
 

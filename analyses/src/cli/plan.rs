@@ -1,6 +1,6 @@
 //! What a run computes, by what, and what the scene lets it leave out: the text of `--explain`.
 
-use super::LimitOptions;
+use super::{Intent, LimitOptions};
 use crate::error::Refusal;
 use bipenalty::penalty::PenaltyMass;
 use bipenalty::scene::End;
@@ -12,16 +12,18 @@ use bipenalty::stability::{AnyModel, EngineName, Grid, LimitOf, Model, Prover};
 ///
 /// # Errors
 /// As [`AnyModel::plan`].
-pub fn explain(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<String, Refusal> {
-    let text = match (model, limit.limit.scheme()) {
+pub fn explain(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<Intent, Refusal> {
+    let (subject, method) = match (model, limit.limit.scheme()) {
         (AnyModel::Mesh(_), _) => explain_mesh(model, limit, grid)?,
         (AnyModel::Bars(model), None) => explain_bars(model, limit.engine, grid),
         (AnyModel::Bars(model), Some(scheme)) => explain_scheme(model, scheme),
     };
     Ok(match limit.asking()?.limit {
-        LimitOf::Explicit(scheme) => format!("{text}\n    {}", step_and_cost(&scheme)),
-        LimitOf::Damped(_) => format!("{text}\n    damped: some ten such problems for each point"),
-        LimitOf::Spectrum | LimitOf::Scheme(_) => text,
+        LimitOf::Explicit(scheme) => Intent::of(subject, format!("{method}\n{}", step_and_cost(&scheme))),
+        LimitOf::Damped(_) => {
+            Intent::of(subject, format!("{method}\ndamped: some ten such problems for each point"))
+        }
+        LimitOf::Spectrum | LimitOf::Scheme(_) => Intent::of(subject, method),
     })
 }
 
@@ -56,23 +58,20 @@ pub fn step_and_cost(scheme: &ExplicitScheme) -> String {
     )
 }
 
-fn explain_bars(model: &Model, engine: EngineName, grid: &Grid) -> String {
+fn explain_bars(model: &Model, engine: EngineName, grid: &Grid) -> (String, String) {
+    let left_out = left_out(model, engine, grid).join("; ");
+    (bars(model), format!("{}\nleft out: {left_out}", method(model, engine)))
+}
+
+/// Bars in a few words.
+fn bars(model: &Model) -> String {
     let scene = model.scene();
-    let bars = if scene.bars().len() == 1 { "bar" } else { "bars" };
-    format!(
-        "{} ({} {bars}, {} elements, {} mass): {}\n    left out: {}",
-        scene.name(),
-        scene.bars().len(),
-        scene.elements(),
-        model.mass().name(),
-        method(model, engine),
-        left_out(model, engine, grid).join("; "),
-    )
+    let (elements, name, mass) = (scene.elements(), scene.name(), model.mass().name());
+    format!("{name} ({elements} {}, {mass} mass)", if elements == 1 { "element" } else { "elements" })
 }
 
 /// How the limit of a scheme is found for bars.
-fn explain_scheme(model: &Model, scheme: SchemeName) -> String {
-    let scene = model.scene();
+fn explain_scheme(model: &Model, scheme: SchemeName) -> (String, String) {
     let method = match scheme {
         SchemeName::Park => {
             "multiplier -1 of the amplification matrix, about 10 pairs of eliminations of the pencil"
@@ -82,11 +81,11 @@ fn explain_scheme(model: &Model, scheme: SchemeName) -> String {
         }
         other => other.facts().closed_limit,
     };
-    format!("{} ({} elements, {} mass): {method}", scene.name(), scene.elements(), model.mass().name())
+    (bars(model), method.to_owned())
 }
 
 /// How much of what size, and what proves it.
-fn explain_mesh(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<String, Refusal> {
+fn explain_mesh(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<(String, String), Refusal> {
     let plan = model.plan(grid.len(), &limit.asking()?)?;
     let proof = match plan.prover {
         Some(Prover::Factorisation) => "by sparse Cholesky factorisations of all unknowns".to_owned(),
@@ -110,19 +109,19 @@ fn explain_mesh(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<S
             2 * plan.contacts
         ),
     };
-    Ok(format!(
-        "{} ({elements}{} unknowns, {} contacts{mass}): {}, about {} eigenproblems of one function f(t) for all {} points, and {} bounds \
-         {proof}{flexibilities}, to {:e} of a step{memory}\n    left out: an eigenproblem for each point; M_p in the eigenproblems; initial \
+    let subject =
+        format!("{} ({elements}{} unknowns, {} contacts{mass})", model.name(), plan.unknowns, plan.contacts);
+    let method = format!(
+        "{}, about {} eigenproblems of one function f(t) for all {} points, and {} bounds \
+         {proof}{flexibilities}, to {:e} of a step{memory}\nleft out: an eigenproblem for each point; M_p in the eigenproblems; initial \
          velocities and gaps (every contact is closed)",
-        model.name(),
-        plan.unknowns,
-        plan.contacts,
         plan.engine,
         plan.eigenproblems,
         plan.points,
         plan.proofs,
         plan.tolerance.unwrap_or(f64::EPSILON),
-    ))
+    );
+    Ok((subject, method))
 }
 
 fn method(model: &Model, engine: EngineName) -> String {

@@ -76,7 +76,7 @@ fn answers(solved: &Solved, subject: &Subject, rows: &[StepRow], time_step: f64)
     let Some(first) = rows.first() else { return Vec::new() };
     let whose = match solved.limit.is_spectrum() {
         true => "linear limit".to_owned(),
-        false => format!("linear limit of {}", first.limit),
+        false => format!("linear limit of {}", spoken(&first.limit)),
     };
     let free = solved.contact_free.ok();
     let free = free.map(|step| (solved.seconds_of(step.lower), solved.seconds_of(step.upper)));
@@ -85,7 +85,7 @@ fn answers(solved: &Solved, subject: &Subject, rows: &[StepRow], time_step: f64)
         (false, true) => Some(false),
         (false, false) => None,
     });
-    let verdict = judged(within, time_step, free.map(|(lower, _)| lower));
+    let verdict = judged(within, time_step, free);
     let mut text = vec![
         format!("{}, {} mass: dt = {} s is {verdict}", first.scene, first.mass, short(time_step))
             .replace("LIMIT", &format!("the {whose} without contact")),
@@ -98,11 +98,14 @@ fn answers(solved: &Solved, subject: &Subject, rows: &[StepRow], time_step: f64)
             0 => String::new(),
             n => format!(", unknown at {n}"),
         };
-        text.push(format!("  within the {whose} of closed contact at {within} of {all} points{unknown}"));
+        text.push(format!(
+            "  within the linear limit of closed contact at {within} of {all} points{unknown}"
+        ));
     } else {
         for row in closed {
-            let verdict = judged(row.within, time_step, row.step_lower.map(|step| step.0));
-            let verdict = verdict.replace("LIMIT", &format!("the {whose} of closed contact"));
+            let enclosed = row.step_lower.zip(row.step_upper).map(|(lower, upper)| (lower.0, upper.0));
+            let verdict = judged(row.within, time_step, enclosed);
+            let verdict = verdict.replace("LIMIT", "the linear limit of closed contact");
             text.push(format!("  {}, r = {}: {verdict}", penalty(subject, row), short(row.ratio.0)));
         }
     }
@@ -112,13 +115,38 @@ fn answers(solved: &Solved, subject: &Subject, rows: &[StepRow], time_step: f64)
     text
 }
 
-/// Whether a step is within its limit of `lower` seconds at least, and by how much.
-fn judged(within: Option<bool>, time_step: f64, lower: Option<f64>) -> String {
-    let step = lower.map_or(String::new(), |lower| format!(" (dt_cr = {} s)", rounded_down(lower)));
-    match (within, lower) {
-        (Some(true), Some(lower)) => format!("within LIMIT by {}{step}", percent(lower / time_step - 1.0)),
-        (Some(false), Some(lower)) => format!("BEYOND LIMIT by {}{step}", percent(1.0 - lower / time_step)),
-        (None, Some(_)) => format!("as near to LIMIT as that is known{step}"),
+/// How a limit is called in a sentence.
+fn spoken(limit: &str) -> String {
+    match limit {
+        "park" => "Park's scheme".to_owned(),
+        other => format!("the {} scheme", other.replace("damped-", "damped ")),
+    }
+}
+
+/// Whether a step is within its limit, between `enclosed` in s, and by how much.
+fn judged(within: Option<bool>, time_step: f64, enclosed: Option<(f64, f64)>) -> String {
+    match (within, enclosed) {
+        (Some(true), Some((lower, _))) => {
+            format!(
+                "within LIMIT by {} (dt_cr = {} s)",
+                percent(lower / time_step - 1.0),
+                rounded_down(lower)
+            )
+        }
+        (Some(false), Some((lower, _))) => {
+            format!(
+                "BEYOND LIMIT by {} (dt_cr = {} s)",
+                percent(1.0 - lower / time_step),
+                rounded_down(lower)
+            )
+        }
+        (None, Some((lower, upper))) => {
+            let beyond = match upper.is_finite() {
+                true => format!("unstable from {} s on", short(upper)),
+                false => "more is not proven".to_owned(),
+            };
+            format!("not decided: stable up to dt = {} s, {beyond}", rounded_down(lower))
+        }
         (_, None) => "held against LIMIT in vain: it could not be certified".to_owned(),
     }
 }
