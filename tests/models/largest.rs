@@ -25,6 +25,20 @@ fn limits() -> [Asking; 2] {
     [of(LimitOf::Spectrum), of(SchemeName::PredictorCorrector.into())]
 }
 
+/// A step to which the limit only tends, 1/beta_s = 2 (C^2 - 1/(4 r)) = 0: rounding decides near the end, and yet almost every
+/// penalty is proven.
+#[test]
+fn a_step_that_the_limit_tends_to_stands_every_penalty_that_can_be_told_from_infinity() {
+    let model = AnyModel::Bars(bars("hunek", 50, MassMatrix::LUMPED));
+    let asking = Asking { limit: SchemeName::PredictorCorrector.into(), ..Asking::default() };
+    let half = model.time_step(0.5).unwrap();
+    let found = model.largest_penalty(half, 1.0, &asking).unwrap().unwrap();
+    // Between the asymptote and the limit lies 1/(4 beta_s) of the step: some 1e-15 are lost to rounding.
+    assert!(found.lower > 1e12 && found.lower <= found.value, "{found:?}");
+    let step = model.critical_step(found.lower, 1.0, &asking).unwrap().step.unwrap();
+    assert!(step.lower >= 0.5, "{step:?}");
+}
+
 /// What is given as within the limit is within it; what is given as beyond it is beyond.
 #[test]
 fn the_largest_penalty_and_ratio_are_where_the_step_is_the_limit() {

@@ -160,8 +160,13 @@ fn of_limit(free: &Step, l: f64, any: bool, step: impl Fn(f64) -> Option<Step>) 
     if any && l >= free.l.upper * (1.0 + MARGIN) || within(f64::INFINITY) {
         return Some(Largest::ANY);
     }
+    // Where the limit tends to the step, rounding decides long before it is reached: the proof ends far below the value.
+    let proven = |value: f64| match within(RANGE.0) {
+        true => bisect(RANGE.0.ln(), value.ln(), |x| !within(x.exp())).0.exp(),
+        false => 0.0,
+    };
     if within(high) || !exceeds(high) {
-        return Some(Largest { lower: if within(high) { high } else { 0.0 }, ..Largest::ANY });
+        return Some(Largest { lower: if within(high) { high } else { proven(high) }, ..Largest::ANY });
     }
     let (low, _) = bisect(RANGE.0.ln(), high.ln(), |x| exceeds(x.exp()));
     let value = low.exp();
@@ -179,7 +184,7 @@ fn of_limit(free: &Step, l: f64, any: bool, step: impl Fn(f64) -> Option<Step>) 
         }
         apart *= 2.0;
     }
-    Some(Largest { value, lower, upper })
+    Some(Largest { value, lower: if lower > 0.0 { lower } else { proven(value) }, upper })
 }
 
 /// What a mesh says about a step.
