@@ -272,6 +272,48 @@ def test_forked_children_compute_too():
     assert child.exitcode == 0
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+def test_a_child_that_is_forked_in_the_middle_of_a_call_says_so():
+    """Nobody would ever give back what a thread of the parent held: the child is refused, and not kept waiting."""
+    script = f"""{SETUP}
+import multiprocessing
+model = bp.Model.from_matrices(K, M, Z)
+before = model.critical_step(10.0, 2.0)
+stop = threading.Event()
+def long():
+    try:
+        model.stability_map(np.logspace(-3, 12, 400), np.logspace(-1, 3, 400), tolerance=1e-12,
+                            progress=lambda done, total: 1 / (not stop.is_set()))
+    except ZeroDivisionError:
+        pass
+def child(queue):
+    try:
+        queue.put(model.critical_step(10.0, 2.0))
+    except ValueError as error:
+        queue.put(str(error))
+    queue.put(bp.Model.from_matrices(K, M, Z).critical_step(10.0, 2.0))
+def answers():
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    process = context.Process(target=child, args=(queue,))
+    process.start()
+    found = [queue.get(timeout=60) for _ in range(2)]
+    process.join()
+    return found
+thread = threading.Thread(target=long)
+thread.start()
+time.sleep(0.5)
+refusal, new = answers()
+stop.set()
+thread.join()
+print("forked while" in refusal and "spawn" in refusal, new == before)
+"""
+    run = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", script], capture_output=True, text=True, timeout=180, check=True
+    )
+    assert run.stdout.split() == ["True", "True"]
+
+
 def test_cost_of_a_point():
     """A point of bars costs at most 20 us above the Rust call; here with it."""
     model = bp.Model.from_scene("signorini", elements=200)

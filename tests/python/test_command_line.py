@@ -1,4 +1,4 @@
-"""The same numbers, to the bit, as the command line: 50 points of every kind."""
+"""Maps and impacts have the same numbers, to the bit, as those of the command line: 50 points of every kind."""
 
 import csv
 import subprocess
@@ -6,11 +6,9 @@ import subprocess
 import bipenalty as bp
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import BETA_S, RATIO, ROOT, same, spec
 from scipy.io import mmread, mmwrite
 
-BETA_S = [0.0, 1e-3, 0.5, 1.0, 3.7, 10.0, 1e3, 1e6, 1e9, 1e12]
-RATIO = [0.25, 1.0, 1.7, 30.0, np.inf]
 COLUMNS = {
     "critical_step": "critical_step",
     "step_lower": "lower",
@@ -21,20 +19,11 @@ COLUMNS = {
 }
 
 
-def spec(values):
-    return ",".join(repr(value) for value in values)
-
-
 def options(scene, mass, limit, **keywords):
     found = [scene, "--mass", mass, "--limit", limit, "--beta-s", spec(BETA_S), "--ratio", spec(RATIO)]
     for name, value in keywords.items():
         found += [f"--{name.replace('_', '-')}", value]
     return found
-
-
-def same(text, value):
-    """Whether a cell of a record is this number, to the bit; an empty one is NaN."""
-    return np.isnan(value) if text == "" else float(text) == value
 
 
 def assert_map(rows, found):
@@ -116,86 +105,6 @@ def test_explicit_schemes(tools, limit, parameter):
     rows = tools("stability-map", *options("symmetric", "averaged", limit, **keywords))
     model = bp.Model.from_scene("symmetric", mass="averaged")
     assert_map(rows, model.stability_map(BETA_S, RATIO, limit=limit, **keywords))
-
-
-@pytest.mark.parametrize("elements", [1, 200])
-def test_single_points(tools, elements):
-    """A point is the same as on a map: of a curve of one point, which begins nowhere."""
-    model = bp.Model.from_scene("signorini", mass="consistent", elements=elements)
-    for beta_s in BETA_S:
-        for ratio in RATIO:
-            point, found = model.critical_step(beta_s, ratio), model.stability_map(beta_s, ratio)
-            assert [getattr(found, name)[0, 0] for name in COLUMNS.values()] == [
-                getattr(point, "value" if name == "critical_step" else name) for name in COLUMNS.values()
-            ]
-    (row,) = tools(
-        "stability-map",
-        "signorini",
-        "--mass",
-        "consistent",
-        "--elements",
-        elements,
-        "--beta-s",
-        "3.7",
-        "--ratio",
-        "1.7",
-    )
-    assert float(row["critical_step"]) == model.critical_step(3.7, 1.7).value
-
-
-@pytest.mark.parametrize("limit", ["spectrum", "predictor-corrector", "park"])
-def test_optimal_ratio(tools, limit):
-    beta_s = np.logspace(-3, 12, 50).tolist()
-    rows = tools("optimal-ratio", "hunek", "--mass", "lumped", "--limit", limit, "--beta-s", spec(beta_s))
-    model = bp.Model.from_scene("hunek", mass="lumped")
-    assert len(rows) == 50
-    for row in rows:
-        found = model.optimal_ratio(float(row["stiffness_penalty"]), limit=limit)
-        if row["lower"]:
-            assert (float(row["lower"]), float(row["upper"])) == (found.lower, found.upper)
-            assert found.upper == np.inf or float(row["optimal_ratio"]) == found.value
-        else:
-            assert found.lower == np.inf
-
-
-def test_verify(tools):
-    rows = tools(
-        "verify-limits",
-        "signorini",
-        "--mass",
-        "lumped",
-        "--scheme",
-        "central-difference",
-        "--beta-s",
-        "1,10",
-        "--ratio",
-        "1,2,inf",
-    )
-    model = bp.Model.from_scene("signorini", mass="lumped")
-    second = model.critical_step(1.0, 1.0).value / model.critical_step(1.0, 1.0).courant
-    assert len(rows) == 6
-    for row in rows:
-        seen = model.verify(float(row["stiffness_penalty"]), float(row["ratio"]))
-        assert seen.stable_at == pytest.approx(float(row["stable_at"]) * second, rel=1e-15)
-        assert seen.unstable_at == pytest.approx(float(row["unstable_at"]) * second, rel=1e-15)
-        assert seen.growth == float(row["growth"])
-        assert str(seen.agrees).lower() == row["agrees"]
-
-
-@pytest.mark.parametrize("scheme", ["central-difference", "predictor-corrector"])
-@pytest.mark.parametrize("scene_file", ["mesh"], indirect=True)
-def test_verify_meshes(tools, scene_file, scheme):
-    typed = ["--scheme", scheme, "--beta-s", "0.5,10,1e3", "--ratio", "0.25,1,inf", "--tolerance", "1e-2"]
-    rows = tools("verify-limits", scene_file, *typed)
-    model = bp.Model.from_scene(scene_file)
-    assert len(rows) == 9
-    for row in rows:
-        seen = model.verify(float(row["stiffness_penalty"]), float(row["ratio"]), scheme=scheme, tolerance=1e-2)
-        second = 2.0 / np.sqrt(model.reference)
-        assert seen.stable_at == pytest.approx(float(row["stable_at"]) * second, rel=1e-15)
-        assert seen.unstable_at == pytest.approx(float(row["unstable_at"]) * second, rel=1e-15)
-        assert seen.growth == float(row["growth"])
-        assert {True: "true", False: "false", None: ""}[seen.agrees] == row["agrees"]
 
 
 @pytest.mark.parametrize("scheme", ["central-difference", "predictor-corrector", "park"])
@@ -337,57 +246,6 @@ def assert_same_rows(written, rows):
             assert mine[name] == "" or float(mine[name]) == float(theirs[name])
 
 
-SCENES = {
-    "mesh": """
-name = "two-blocks"
-dimension = 2
-plane = "strain"
-[[body]]
-name = "lower"
-box = [3.0, 2.0]
-cells = [6, 4]
-element = "quad4"
-youngs_modulus = 210e9
-poissons_ratio = 0.3
-density = 7850.0
-[[body]]
-name = "upper"
-box = [2.0, 1.0]
-cells = [5, 3]
-origin = [0.5, 2.0]
-element = "quad4"
-youngs_modulus = 70e9
-poissons_ratio = 0.3
-density = 2700.0
-[[contact]]
-surfaces = ["upper.bottom", "lower.top"]
-[[hold]]
-surface = "lower.bottom"
-directions = ["x", "y"]
-""",
-    "matrices": """
-name = "matrices"
-[matrices]
-stiffness = "K.mtx"
-mass = "M.mtx"
-gaps = "Z.mtx"
-scales = "w.mtx"
-""",
-}
-
-
-@pytest.fixture(params=SCENES)
-def scene_file(request, tmp_path):
-    """Return the path of a scene of meshes, or of the matrices of the same one."""
-    path = tmp_path / f"{request.param}.toml"
-    path.write_text(SCENES[request.param])
-    for name, matrix in zip("KMZ", bp.Model.from_scene(SCENES["mesh"]).matrices(), strict=False):
-        mmwrite(tmp_path / f"{name}.mtx", matrix, precision=17)
-    *_, w = bp.Model.from_scene(SCENES["mesh"]).matrices()
-    mmwrite(tmp_path / "w.mtx", w[:, np.newaxis], precision=17)
-    return path
-
-
 @pytest.mark.parametrize("limit", ["spectrum", "predictor-corrector"])
 def test_meshes(tools, scene_file, tmp_path, limit):
     """The first question to a model: what it knows already would narrow the answer."""
@@ -420,20 +278,6 @@ def test_patches(tools, scene_file):
     found = bp.Model.from_scene(scene_file).stability_map(BETA_S, RATIO, patch=3, tolerance=1.0)
     assert_map(rows, found)
     assert set(found._map.engines()) == {"convex-patches"}
-
-
-def test_largest_of_a_step(tools):
-    """What --time-step says of a damped bar is what the package says."""
-    typed = ["signorini", "--mass", "lumped", "--time-step", "6e-4", "--beta-s", "7", "--ratio", "1,3,inf"]
-    typed += ["--damping-stiffness", "1e-5"]
-    rows = tools("stability-map", *typed)
-    model = bp.Model.from_scene("signorini", mass="lumped")
-    damping = bp.Damping(stiffness=1e-5)
-    for row in rows:
-        most = model.largest_penalty(6e-4, float(row["ratio"]), damping=damping)
-        assert float(row["largest_stiffness_penalty"]) == most
-        assert float(row["largest_stiffness_penalty_lower"]) == most.lower
-        assert float(row["largest_stiffness_penalty_upper"]) == most.upper
 
 
 @pytest.mark.parametrize("scene_file", ["matrices"], indirect=True)

@@ -70,7 +70,7 @@ def test_map():
     found = bp.Model.from_scene("hunek").stability_map(np.logspace(-2, 8, 31), np.logspace(-1, 3, 21))
     ax = found.plot()
     labels = {text.get_text() for text in ax.texts}
-    assert {"0.1", "0.2", "0.4", "0.8"} <= labels
+    assert {"0.05", "0.1", "0.2", "0.5", "0.999 $\\it{C}_0$"} <= labels
     assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
 
 

@@ -38,7 +38,10 @@ STYLES = 8
 # More ratios are drawn as a map.
 MOST_CURVES = 12
 # Levels worth a contour line.
-ROUND = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.2, 0.4, 0.8, 1.2]
+ROUND = [m * 10.0**e for e in range(-6, 1) for m in (1, 2, 5)]
+# So close to the limit without contact that a penalty costs nothing.
+FREE = 0.999
+MOST_LINES = 5
 
 # Any: matplotlib lists every name.
 STYLE: Any = {
@@ -75,8 +78,16 @@ def _in_style(draw: Callable[[_Result, Axes | None], Axes]) -> Callable[[_Result
 
 
 def _axes(ax: Axes | None, width: float = 90.0, height: float = 62.0) -> Axes:
-    """Return the axes to draw on; sizes in mm."""
+    """Return the axes to draw on, in our look; sizes in mm."""
     if ax is not None:
+        # Axes keep the style that they were made in.
+        ax.tick_params(labelsize=STYLE["xtick.labelsize"], width=STYLE["xtick.major.width"], which="both")
+        for spine in ax.spines.values():
+            spine.set_linewidth(STYLE["axes.linewidth"])
+        for text in (ax.xaxis.label, ax.yaxis.label):
+            text.set_fontsize(STYLE["axes.labelsize"])
+        ax.title.set_fontsize(STYLE["axes.titlesize"])
+        ax.minorticks_on()
         return ax
     import matplotlib.pyplot as plt
 
@@ -129,7 +140,7 @@ def stability_map(found: StabilityMap, ax: Axes | None) -> Axes:
         _curves(found, ax)
     else:
         _map(found, ax)
-    ax.set_xlabel("stiffness penalty $\\it{β}_s$")
+    ax.set_xlabel("stiffness penalty $\\it{β}_{\\mathrm{s}}$")
     ax.set_title(_title(found))
     return ax
 
@@ -144,12 +155,14 @@ def _curves(found: StabilityMap, ax: Axes) -> None:
     lowest = np.min(courant, axis=0)
     low, high = np.nanmin(courant), np.nanmax(courant)
     air = 0.05 * (high - low) or 0.05 * high
-    ax.fill_between(beta_s, lowest, low - air, color=SHADE, linewidth=0)
+    # No Courant number is below 0.
+    bottom = max(low - air, 0.0)
+    ax.fill_between(beta_s, lowest, bottom, color=SHADE, linewidth=0)
     for r, row in zip(found.ratio.tolist(), courant, strict=True):
         ax.plot(beta_s, row, label=f"$\\it{{r}}$ = {_number(r)}", **_line(styles[r], CURVE))
     ax.set_xlim(beta_s[0], beta_s[-1])
-    ax.set_ylim(low - air, high + air)
-    ax.set_ylabel("critical Courant number $\\it{C}_r$")
+    ax.set_ylim(bottom, high + air)
+    ax.set_ylabel("critical Courant number $\\it{C}_{\\mathrm{r}}$")
     _name_curves(ax)
 
 
@@ -192,23 +205,35 @@ def _map(found: StabilityMap, ax: Axes) -> None:
     low, high = np.nanmin(courant), np.nanmax(courant)
     x, y = (float(beta_s[0]), float(beta_s[-1])), (float(ratio[0]), float(ratio[-1]))
     casing = [patheffects.withStroke(linewidth=CASING, foreground="white")]
-    for level in (level for level in ROUND if 1.1 * low < level < 0.97 * high):
+    levels = [(level, _number(level)) for level in ROUND if 1.1 * low < level < 0.97 * high][-MOST_LINES:]
+    for level, name in [*levels, *_free(found)]:
         line = found.model._core.contour(level, x, y, found._asked)
         if len(line):
             ax.plot(*line.T, color="black", linewidth=THIN, path_effects=casing)
             at = line[len(line) // 2]
-            ax.annotate(_number(level), at, ha="center", va="center", path_effects=casing)
+            ax.annotate(name, at, ha="center", va="center", path_effects=casing)
         else:
             # No line is known for several contacts of a scheme: the grid tells where it runs.
             drawn = ax.contour(beta_s, ratio, courant, [level], colors="black", linewidths=THIN)
-            ax.clabel(drawn, fmt=_number)
+            ax.clabel(drawn, fmt=lambda _, name=name: name)
     if y[0] <= 1.0 <= y[1]:
         ax.axhline(1.0, color=GREY, linewidth=THIN, linestyle=":")
     ax.set_xlim(*x)
     ax.set_ylim(*y)
     ax.set_ylabel("penalty ratio $\\it{r}$")
-    figure = ax.figure
-    figure.colorbar(cells, ax=ax, label="$\\it{C}_r$")
+    # Where only a strip of colours is met, there may be no other number.
+    ticks = [level for level in ROUND if low <= level <= high] or [low, high]
+    bar = ax.figure.colorbar(cells, ax=ax, label="$\\it{C}_{\\mathrm{r}}$")
+    bar.ax.tick_params(labelsize=STYLE["ytick.labelsize"])
+    bar.ax.minorticks_off()
+    ticks = ticks[:: 1 + len(ticks) // 8]
+    bar.set_ticks(ticks, labels=[f"{tick:.3g}" for tick in ticks])
+
+
+def _free(found: StabilityMap) -> list[tuple[float, str]]:
+    """Return the level that is hardly below the limit without contact, and its name."""
+    free = float(found.model._core.map(np.zeros(1), np.full(1, np.inf), found._asked, None).array("courant")[0, 0])
+    return [(FREE * free, f"{FREE} $\\it{{C}}_0$")] if np.isfinite(free) else []
 
 
 @_in_style
@@ -224,6 +249,8 @@ def impact(run: Impact, ax: Axes | None) -> Axes:
         ax.plot(run.time, force, label=label, **_line(contact % STYLES, CURVE))
     ax.set_xlabel("time, s")
     ax.set_ylabel("contact force, N")
-    ax.set_title(f"{run.scheme}, $\\it{{β}}_s$ = {_number(run.beta_s)}, $\\it{{r}}$ = {_number(run.ratio)}")
+    ax.set_title(
+        f"{run.scheme}, $\\it{{β}}_{{\\mathrm{{s}}}}$ = {_number(run.beta_s)}, $\\it{{r}}$ = {_number(run.ratio)}"
+    )
     ax.legend()
     return ax

@@ -15,6 +15,7 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::model::InUse;
 use crate::work::{Watch, long};
 use crate::{failed, refused};
 
@@ -40,7 +41,7 @@ impl AtStart<'_> {
 /// What the run refuses, and what a signal or `progress` raises.
 pub fn run<'py>(
     py: Python<'py>,
-    (model, scene): (Arc<AnyModel>, Option<AnyScene>),
+    (model, scene): (InUse, Option<AnyScene>),
     scheme: Arc<dyn Scheme>,
     (pace, start): (Pace, AtStart<'py>),
     progress: Option<&Bound<'py, PyAny>>,

@@ -1,6 +1,8 @@
 //! A model, and what is asked of it.
 
+use std::ops::Deref;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
 use bipenalty::error::Refusal;
@@ -40,6 +42,24 @@ pub struct Core {
     fingerprint: Option<u64>,
     /// That the model was made of, if it was.
     scene: Option<AnyScene>,
+    /// As many as computations that use the model, and one.
+    users: Arc<()>,
+    /// The process that asked last.
+    process: AtomicU32,
+}
+
+/// A model in use by a computation, which may go on when nobody waits for it any more.
+pub struct InUse {
+    model: Arc<AnyModel>,
+    _user: Arc<()>,
+}
+
+impl Deref for InUse {
+    type Target = AnyModel;
+
+    fn deref(&self) -> &AnyModel {
+        &self.model
+    }
 }
 
 /// A step and its enclosure, s; the same as Courant numbers; omega_max, rad/s; evidence; engine.
@@ -60,18 +80,32 @@ impl Core {
             AnyModel::Bars(model) => Some(model.auto()),
             AnyModel::Mesh(_) => None,
         };
-        Self { model: Arc::new(model), auto, fingerprint: None, scene: None }
+        let (users, process) = (Arc::new(()), AtomicU32::new(std::process::id()));
+        Self { model: Arc::new(model), auto, fingerprint: None, scene: None, users, process }
     }
 
-    /// The model, whose shared arrays are what they were.
-    fn model(&self) -> PyResult<Arc<AnyModel>> {
+    /// The model, whose shared arrays are what they were. Called with the interpreter's lock: one thread at a time.
+    ///
+    /// # Errors
+    /// Arrays that were changed; a process that was forked while a computation used the model, which it would wait for.
+    fn model(&self) -> PyResult<InUse> {
+        let here = std::process::id();
+        if self.process.load(Ordering::Relaxed) != here {
+            if Arc::strong_count(&self.users) > 1 {
+                let value = "asked in a process that was forked while a thread of its parent used the model";
+                let allowed =
+                    "a model that is made in this process, or the start methods spawn and forkserver";
+                return Err(refused(Refusal::new("model", value, allowed)));
+            }
+            self.process.store(here, Ordering::Relaxed);
+        }
         if let (Some(seen), AnyModel::Mesh(model)) = (self.fingerprint, &*self.model)
             && fingerprint(&[model.pencil().stiffness(), model.pencil().mass()]) != seen
         {
             let allowed = "entries as they were when the model was made: make a new model, or give it a copy";
             return Err(refused(Refusal::new("stiffness, mass", "an array that was changed", allowed)));
         }
-        Ok(Arc::clone(&self.model))
+        Ok(InUse { model: Arc::clone(&self.model), _user: Arc::clone(&self.users) })
     }
 
     /// The point of bars that costs a microsecond.
