@@ -76,7 +76,7 @@ fn answers(solved: &Solved, subject: &Subject, rows: &[StepRow], time_step: f64)
     let Some(first) = rows.first() else { return Vec::new() };
     let whose = match solved.limit.is_spectrum() {
         true => "linear limit".to_owned(),
-        false => format!("linear limit of {}", spoken(&first.limit)),
+        false => format!("linear limit of {}", spoken(first.limit)),
     };
     let free = solved.contact_free.ok();
     let free = free.map(|step| (solved.seconds_of(step.lower), solved.seconds_of(step.upper)));
