@@ -2,7 +2,7 @@
 
 usage: mesh_peers.py STABILITY_MAP [CASE...] [--runs N] [--slepc PYTHON]
 
-Cases: small (2,604 unknowns, a map of 100 x 100), plane (160,000 unknowns, the same map), solid (hex8, 1e5 unknowns, one point
+Cases: small (2,604 unknowns, a map of 100 x 100), plane (160,000 unknowns, the same map), solid (hex8, 143,856 unknowns, one point
 to 1e-9), large (hex8, 1e6 unknowns, one point by patches). Two blocks of lumped elements, one on the other, the lower one held
 below. The matrices of `small` and `plane` are written as Matrix Market files, and reading them is part of stability-map's
 time; those of `solid` and `large` are assembled by each side, and assembly is part of stability-map's time alone. The peers
@@ -206,7 +206,7 @@ CASES = {
     "small": ([0.3, 0.2], [30, 20]),
     "plane": ([0.3, 0.2], [240, 165]),
     "solid": ([0.2, 0.1, 0.2], [35, 18, 35]),
-    "large": ([0.2, 0.1, 0.2], [80, 50, 80]),
+    "large": ([0.2, 0.05, 0.2], [80, 25, 80]),
 }
 
 

@@ -138,6 +138,9 @@ pub struct Effort {
 /// How closely the excess of a bound by patches is looked for, relative to itself.
 const CLOSELY: f64 = 0.05;
 
+/// Points of patches that are nearer than this, in units of t, are one: f moves by no more, patches are too high by more.
+const SAME: f64 = 1e-8;
+
 /// f of one pencil, with all that is known about it so far. The pencil may lie anywhere: see [`Source`].
 #[derive(Debug)]
 pub struct Curve<S = Local> {
@@ -151,6 +154,8 @@ pub struct Curve<S = Local> {
     pub(super) unit: f64,
     /// How much higher than its lower bound the last bound by patches was, relative.
     excess: f64,
+    /// Points that patches or chance have proven, with the width asked for then: they prove no more a second time.
+    sought: Vec<(ProvenPoint, f64)>,
 }
 
 impl Curve {
@@ -216,6 +221,7 @@ impl<S: Source> Curve<S> {
             mesh: f64::NAN,
             unit: 1.0,
             excess: 0.0,
+            sought: Vec::new(),
         };
         if curve.dimension() > 0 {
             curve.mesh = curve.lower_at(0.0);
@@ -314,7 +320,7 @@ impl<S: Source> Curve<S> {
 
     /// Adds the top vector at t to the subspace; the change of the lower bound there, relative.
     pub(super) fn sample(&mut self, t: f64, closed: bool) -> f64 {
-        let tolerance = 0.05 * self.goal();
+        let tolerance = self.vector_tolerance();
         let before = (self.dimension() > 0).then(|| self.source.span().ritz(t));
         if let (Some(y), false) = (&before, closed) {
             // The Ritz vector may be good enough as it is.
@@ -344,6 +350,9 @@ impl<S: Source> Curve<S> {
     ///
     /// A proof far above says that a better vector was missed: it is looked for once more, from noise.
     pub(super) fn prove(&mut self, t: f64) -> bool {
+        if self.has_sought(t) {
+            return true;
+        }
         let mut proven = self.climb_at(t);
         let lower = self.lower_at(t);
         let far = proven.is_none_or(|u| u - lower > self.goal() * lower.abs());
@@ -358,8 +367,19 @@ impl<S: Source> Curve<S> {
         }
         if let Some(u) = proven {
             self.upper.add(ProvenPoint { t, u });
+            if !self.source.is_sharp() {
+                self.sought.push((ProvenPoint { t, u }, self.goal()));
+            }
         }
         proven.is_some()
+    }
+
+    /// Whether a point at t, or so little above that f is the same, was proven as closely as patches or chance can.
+    fn has_sought(&mut self, t: f64) -> bool {
+        let (unit, goal, lower) = (self.unit, self.goal(), self.lower_at(t));
+        let same = |p: &ProvenPoint| p.t >= t && p.t - t <= SAME * unit.max(t.abs());
+        let closely = |u: f64, was: f64| goal >= was || u - lower > was * lower.abs();
+        self.sought.iter().any(|(p, was)| same(p) && closely(p.u, *was))
     }
 
     fn climb_at(&mut self, t: f64) -> Option<f64> {
@@ -368,9 +388,15 @@ impl<S: Source> Curve<S> {
     }
 
     pub(super) fn search(&self, closed: bool) -> Search {
-        // A small part of what is asked, so that the proof decides; Lanczos in f64 reaches little beyond 1e-12.
-        let tolerance = (0.05 * self.goal()).max(1e-12);
+        let tolerance = self.vector_tolerance();
         Search { basis: self.options.basis, tolerance, most_products: self.options.most_products, closed }
+    }
+
+    /// A small part of what is asked, so that the proof decides; Lanczos in f64 reaches little beyond 1e-12. Where patches
+    /// decide, the vector of f(0) is as good as any: its value is right to the square over the distance to the next.
+    fn vector_tolerance(&self) -> f64 {
+        let least = if self.source.is_sharp() { 1e-12 } else { start::TOLERANCE };
+        (0.05 * self.goal()).max(least)
     }
 
     /// f(0) from below.

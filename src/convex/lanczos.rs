@@ -2,9 +2,10 @@
 //!
 //! Wu, Simon, SIAM J. Matrix Anal. Appl. 22 (2000); Stewart's Krylov-Schur for symmetric matrices. The basis V is M-orthonormal, every
 //! new vector is orthogonalised against all of it, and H = V'(aK + tP)V is kept in full, so that a restart with the
-//! best Ritz vectors needs no bookkeeping. A second pass of orthogonalisation is made where the first has cancelled: without it
-//! the basis loses its orthogonality by a factor a step, and the search its vector. Nothing proven depends on it, since every
-//! vector is judged by its own Rayleigh quotient.
+//! best Ritz vectors needs no bookkeeping. Each step multiplies by A - c M with c the last diagonal entry of H: the space is the
+//! same, and what is to be taken out of the product is hardly longer than what is left. A second pass of orthogonalisation is
+//! made where the first has cancelled: without it the basis loses its orthogonality by a factor a step, and the search its
+//! vector. Nothing proven depends on it, since every vector is judged by its own Rayleigh quotient.
 
 use faer::{Mat, Side};
 
@@ -50,11 +51,15 @@ pub fn largest(operator: &Operator, combination: (f64, f64), start: Option<&[f64
     let mut h = Mat::<f64>::zeros(most, most);
     let begin = operator.products();
     let mut image = vec![0.0; n];
+    let mut shift = 0.0;
     loop {
         let j = basis.len() - 1;
         operator.multiply(combination, &basis[j], &mut image);
+        operator.take_mass(shift, &basis[j], &mut image);
         let column = project(&basis, &image);
         column.iter().enumerate().for_each(|(i, value)| (h[(i, j)], h[(j, i)]) = (*value, *value));
+        h[(j, j)] += shift;
+        shift = h[(j, j)];
         let mut next = image.clone();
         operator.solve_mass(&mut next);
         if search.closed {

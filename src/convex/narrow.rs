@@ -4,9 +4,14 @@ use super::curve::Curve;
 use super::point::{Asked, Enclosed, TooWide};
 use super::source::Source;
 
+/// Intervals of asinh(t/unit): in a twenty-fifth of an e-fold nothing bends.
+const NARROWEST: f64 = 0.04;
+
 impl<S: Source> Curve<S> {
     /// Proves points for a t far below 0: there the rounding of t P, not f, limits a proof, and since f does not decrease
-    /// a point at a larger t serves as well. f(t) - f(-infinity) falls like 1/|t|, the rounding grows like |t|.
+    /// a point at a larger t serves as well. With x = |t| mu/f, f(t) exceeds f(-infinity) by a part of some 1/x and rounding takes a
+    /// part of some n eps x: at best, x = (n eps)^(-1/2), (n eps)^(1/2) is left, some 1e-8 to 1e-7. So a width of 1e-9 is out of reach
+    /// where r < 1 and beta_s is so large that f is not flat between such a t and s - l m.
     fn prove_far_below(&mut self, t: f64) -> bool {
         let mut proven = false;
         for power in 4..13 {
@@ -52,15 +57,14 @@ impl<S: Source> Curve<S> {
             let t = self.polish(asked[worst]);
             self.improve(asked[worst], t);
             known[worst] = self.bounds(asked[worst]);
-            if known[worst].step_width() > 0.9 * before.min(1e300) {
-                hopeless[worst] = true;
-                // Patches, and chance, are too high by a part that varies slowly: close by nothing else can be expected.
-                let patches = !self.source.is_sharp();
-                let place = |t: f64| (t / self.unit).asinh();
-                for i in 0..asked.len() {
-                    let other = asked[i].place(known[i].lower);
-                    hopeless[i] |= patches && (place(other) - place(t)).abs() < 0.05;
-                }
+            // Patches, and chance, are too high by a part that varies slowly, and are asked once: close by nothing else can
+            // be expected.
+            let patches = !self.source.is_sharp();
+            hopeless[worst] |= patches || known[worst].step_width() > 0.9 * before.min(1e300);
+            let place = |t: f64| (t / self.unit).asinh();
+            for i in 0..if patches { asked.len() } else { 0 } {
+                let other = asked[i].place(known[i].lower);
+                hopeless[i] |= (place(other) - place(t)).abs() < 0.05;
             }
             self.renew(asked, &mut known);
         }
@@ -130,7 +134,8 @@ impl<S: Source> Curve<S> {
         let range = (0..asked.len())
             .map(t)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
-        if range.0 < 0.0 {
+        // Nearer to 0 than what bends, the vector of t itself serves.
+        if range.0 < -NARROWEST * self.unit {
             self.sample(range.0, true);
         }
         // Beyond 1e4 units f is its asymptote to 1e-4 of 1e-4; and a Lanczos search drowns in the spectrum of -t P.
@@ -143,8 +148,7 @@ impl<S: Source> Curve<S> {
             let middle = 0.5 * (left + right);
             let change = self.sample(middle.sinh() * self.unit, false);
             self.lower_at(middle.sinh() * self.unit);
-            // Narrower than a fiftieth of an e-fold nothing bends.
-            if change > 0.05 * self.goal() && right - left > 0.04 {
+            if change > 0.05 * self.goal() && right - left > NARROWEST {
                 open.extend([(left, middle), (middle, right)]);
             }
         }

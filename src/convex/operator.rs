@@ -60,6 +60,21 @@ impl Operator {
         self.pencil.multiply(a, t, x, y);
     }
 
+    /// y -= c M x.
+    pub(super) fn take_mass(&self, c: f64, x: &[f64], y: &mut [f64]) {
+        if c == 0.0 {
+            return;
+        }
+        if self.inverse.is_none() {
+            let terms = y.iter_mut().zip(x).zip(self.pencil.mass_diagonal());
+            terms.for_each(|((y, x), m)| *y -= c * m * x);
+        } else {
+            let mut image = vec![0.0; x.len()];
+            self.pencil.multiply_mass(x, &mut image);
+            y.iter_mut().zip(&image).for_each(|(y, image)| *y -= c * image);
+        }
+    }
+
     /// x = M^-1 x.
     pub(super) fn solve_mass(&self, x: &mut [f64]) {
         match &self.inverse {
