@@ -13,7 +13,7 @@ use crate::error::Refusal;
 pub(super) const TOLERANCE: f64 = 1e-8;
 
 /// How closely f(0) is proven by a factorisation, as a width of the step: what is left widens every enclosure of a point.
-pub(super) const CLOSEST: f64 = 1e-10;
+pub(super) const CLOSEST: f64 = 1e-11;
 
 /// How mu and f(0) are looked for.
 pub(super) fn search(options: &Options) -> Search {

@@ -147,7 +147,7 @@ impl MeshModel {
     }
 
     /// omega_ref^2, rad^2/s^2: as given, or l_max(K, M) as computed, a lower bound of it. The same number whatever else is
-    /// asked. Where the whole matrix is factorised, each enclosure is wide enough for the rest, some 1e-10, so that it holds
+    /// asked. Where the whole matrix is factorised, each enclosure is wide enough for the rest, some 1e-11, so that it holds
     /// for l_max(K, M) itself; patches prove it only as closely as they are large, and their enclosures hold for the number.
     ///
     /// # Errors
