@@ -97,6 +97,26 @@ fn good_matrices_and_meshes_are_taken() {
     }
 }
 
+/// A mesh is read in parallel, before anything is computed: the threads that were asked for are there by then.
+#[test]
+fn the_number_of_threads_changes_no_byte() {
+    let scratch = Scratch::new("mesh-threads");
+    let tools = [
+        (env!("CARGO_BIN_EXE_stability-map"), "two-blocks.toml --beta-s 1,100 --ratio 1,inf"),
+        (env!("CARGO_BIN_EXE_optimal-ratio"), "two-blocks.toml --beta-s 10"),
+        (env!("CARGO_BIN_EXE_contact-impact"), "plane-impact.toml --beta-s 100 --scheme predictor-corrector"),
+    ];
+    for (tool, arguments) in tools {
+        let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/");
+        let [one, two] = [1, 2].map(|threads| {
+            let arguments = format!("{scene}{arguments} --mass lumped --stdout csv -q --threads {threads}");
+            run_program(tool, &scratch, &arguments.split(" ").collect::<Vec<_>>()).succeeded()
+        });
+        assert_eq!(one, two, "{arguments}");
+        assert!(one.lines().count() > 1, "{arguments}: {one}");
+    }
+}
+
 #[test]
 fn bad_matrices_are_refused_by_file_and_line_and_nothing_is_written() {
     let full = "%%MatrixMarket matrix coordinate real symmetric\n3 3 4\n1 1 1.0\n2 1 2.0\n2 2 1.0\n3 3 1.0\n";

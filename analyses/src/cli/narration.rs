@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use super::intents::{Intent, told};
+use super::output::start_threads;
 use super::{Frame, Output, OutputOptions, Verdict, arguments, finish};
 use crate::error::Result;
 
@@ -65,6 +66,7 @@ pub fn narrate<A: Analysis>() -> ExitCode {
 }
 
 fn run<A: Analysis>(analysis: &A) -> Result<Verdict> {
+    start_threads(analysis.output())?;
     let plan = analysis.plan()?;
     let output = Output::prepare(analysis.output(), A::NAME, &analysis.folder())?;
     output.check_style(&analysis.frames(&plan))?;

@@ -37,8 +37,18 @@ pub struct Output {
     doubt: Arc<Mutex<Option<String>>>,
 }
 
+/// Starts as many threads as were asked for. First of all: whatever computes in parallel, reading a mesh too, starts its own.
+///
+/// # Errors
+/// Refuses what the system does not grant.
+pub fn start_threads(options: &OutputOptions) -> Result<()> {
+    let Some(threads) = options.threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+    Ok(pool.map_err(|e| Refusal::new("--threads", threads, format!("what the system grants ({e})")))?)
+}
+
 impl Output {
-    /// Prepares the output of `tool`, in `folder` below its own unless told where, sets the number of threads, and checks that the directory can be written.
+    /// Prepares the output of `tool`, in `folder` below its own unless told where, and checks that the directory can be written.
     ///
     /// # Errors
     /// Refuses a directory that is a file or cannot be written to.
@@ -47,10 +57,6 @@ impl Output {
         let directory = options.out.clone().unwrap_or_else(|| Path::new("figures").join(tool).join(folder));
         if options.stdout.is_none() && !options.explain {
             check_writable(&directory)?;
-        }
-        if let Some(threads) = options.threads {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
-            pool.map_err(|e| Refusal::new("--threads", threads, format!("what the system grants ({e})")))?;
         }
         Ok(Self {
             directory,
