@@ -5,12 +5,13 @@ use super::error::PlotError;
 use super::font::Fonts;
 use super::frame::{Frame, Interval, intervals, settle};
 use super::geometry::Rect;
+use super::labels::{horizontal_ticks, vertical_ticks, widest};
 use super::model::{Axis, ColourBar, Figure, Layer, Panel, Scale};
 use super::theme::{
-    AXIS_SIZE, BAR, GAP, LEAST_SIZE, MAJOR_TICK, MAX_LABEL_SHARE, MIN_FRAME, PADDING, PT, TICK_PITCH_X,
-    TICK_PITCH_Y, TICK_SIZE, TITLE_SIZE,
+    AXIS_SIZE, BAR, GAP, LEAST_SIZE, MAJOR_TICK, MAX_LABEL_SHARE, MIN_FRAME, PADDING, PT, TICK_SIZE,
+    TITLE_SIZE,
 };
-use super::ticks::{Ticks, ticks};
+use super::ticks::Ticks;
 
 /// A panel with its place on the page.
 pub(super) struct PlacedPanel<'a> {
@@ -377,44 +378,4 @@ pub(super) fn check_length(length: f64, room: f64, label: &str) -> Result<(), Pl
 fn side_width(axis: &Axis, ticks: &Ticks, fonts: &Fonts) -> Result<f64, PlotError> {
     let label = if axis.label.is_empty() { 0.0 } else { GAP + text_height(AXIS_SIZE) };
     Ok(MAJOR_TICK + GAP + widest(ticks, fonts)? + label)
-}
-
-fn widest(ticks: &Ticks, fonts: &Fonts) -> Result<f64, PlotError> {
-    let mut width = 0.0_f64;
-    for (_, label) in &ticks.major {
-        width = width.max(fonts.line(label, TICK_SIZE)?.width);
-    }
-    Ok(width)
-}
-
-fn vertical_ticks(axis: &Axis, interval: Interval, height: f64) -> Ticks {
-    // The number of ticks is small and positive: the cast drops the fraction.
-    let most = (height / TICK_PITCH_Y) as usize;
-    named(axis, ticks(interval.scale, interval.low, interval.high, most))
-}
-
-/// The ticks with the labels that the axis has for single values.
-fn named(axis: &Axis, mut ticks: Ticks) -> Ticks {
-    for (value, name) in &axis.names {
-        ticks.major.retain(|(known, _)| known != value);
-        ticks.major.push((*value, name.clone()));
-    }
-    ticks
-}
-
-/// As many ticks as fit without their labels coming close.
-fn horizontal_ticks(axis: &Axis, interval: Interval, width: f64, fonts: &Fonts) -> Result<Ticks, PlotError> {
-    /// Least space between two labels, mm.
-    const SPACE: f64 = 2.0;
-    let mut most = (width / TICK_PITCH_X) as usize;
-    loop {
-        let result = named(axis, ticks(interval.scale, interval.low, interval.high, most));
-        let needed = widest(&result, fonts)? + SPACE;
-        let places: Vec<f64> =
-            result.major.iter().map(|(value, _)| interval.position(*value) * width).collect();
-        if most <= 2 || places.windows(2).all(|pair| pair[1] - pair[0] >= needed) {
-            return Ok(result);
-        }
-        most -= 1;
-    }
 }

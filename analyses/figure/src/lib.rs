@@ -20,6 +20,7 @@
 //! # Rooms
 //! ```text
 //! model       what a figure shows: panels, axes, layers with their source and name; knows no drawing
+//! labels      which ticks of an axis are labelled
 //! layout      places on the page: frame, ticks, axes' labels, legend, colour bar
 //! names       beside which line a name stands (search, geometry)
 //! draw        layers, axes and names as elements, from the bottom up (trace, cells, isolines)
@@ -51,6 +52,7 @@ mod font;
 mod frame;
 mod geometry;
 mod isolines;
+mod labels;
 mod layout;
 mod legend;
 mod marks;

@@ -177,3 +177,21 @@ fn styles_are_made_of_a_colour_and_a_dash() {
         }
     }
 }
+
+/// Numbers of an axis that is too short for all of them: none lies on another, and two powers of ten stay.
+#[test]
+fn labels_of_a_short_axis_do_not_lie_on_each_other() {
+    let mut figure = curves();
+    figure.panels.truncate(1);
+    figure.panels = vec![figure.panels[0].clone(); 2];
+    figure.columns = 2;
+    for panel in &mut figure.panels {
+        panel.x = Axis { range: Some((2e-5, 2e-3)), ..Axis::log("t") };
+        let points = vec![(3e-5, 0.5), (1e-3, 0.8)];
+        panel.layers = vec![Layer::markers(points, "stepping", 2)];
+    }
+    let svg = figure.svg().expect("valid figure");
+    let shown = |label: &str| count(&svg, label);
+    assert!(shown("10−4") > 0 && shown("10−3") > 0, "{svg}");
+    assert_eq!(shown("5·10−5") + shown("2·10−4") + shown("5·10−4"), 0);
+}
