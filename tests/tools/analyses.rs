@@ -3,27 +3,23 @@
 // A helper that cannot go on fails its test.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::path::PathBuf;
 use std::process::{Command, Output};
+
+#[path = "common/tool.rs"]
+mod tool;
+
+use tool::Scratch;
 
 const OPTIMAL_RATIO: &str = env!("CARGO_BIN_EXE_optimal-ratio");
 const CONTACT_IMPACT: &str = env!("CARGO_BIN_EXE_contact-impact");
 const VERIFY_LIMITS: &str = env!("CARGO_BIN_EXE_verify-limits");
 
-/// A directory of its own for one test.
-fn scratch(name: &str) -> PathBuf {
-    let directory = std::env::temp_dir().join(format!("bipenalty-{name}-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&directory);
-    std::fs::create_dir_all(&directory).unwrap();
-    directory
-}
-
-fn run(tool: &str, directory: &PathBuf, arguments: &str) -> Output {
-    Command::new(tool).args(arguments.split_whitespace()).current_dir(directory).output().unwrap()
+fn run(tool: &str, directory: &Scratch, arguments: &str) -> Output {
+    Command::new(tool).args(arguments.split_whitespace()).current_dir(directory.path()).output().unwrap()
 }
 
 /// The rows of a run that must end with exit status 0, as columns by name.
-fn rows(tool: &str, directory: &PathBuf, arguments: &str) -> (Vec<String>, Vec<Vec<String>>) {
+fn rows(tool: &str, directory: &Scratch, arguments: &str) -> (Vec<String>, Vec<Vec<String>>) {
     let out = run(tool, directory, arguments);
     assert_eq!(out.status.code(), Some(0), "{arguments}: {}", String::from_utf8_lossy(&out.stderr));
     let text = String::from_utf8(out.stdout).unwrap();
@@ -39,7 +35,7 @@ fn number(header: &[String], row: &[String], name: &str) -> f64 {
 
 #[test]
 fn the_optimal_ratio_is_one_and_enclosed() {
-    let directory = scratch("optimal");
+    let directory = Scratch::new("optimal");
     let (header, rows) = rows(OPTIMAL_RATIO, &directory, "--beta-s log:1e-3:1e12:6 --stdout csv -q");
     let promised = "scene,mass,gamma,elements,limit,stiffness_penalty,optimal_ratio,lower,upper,holds";
     let later = ",contact_free_step,penalty_stiffness,penalty_mass";
@@ -49,18 +45,19 @@ fn the_optimal_ratio_is_one_and_enclosed() {
         assert!(number(&header, row, "lower") <= 1.0 && 1.0 <= number(&header, row, "upper"), "{row:?}");
         assert_eq!(row[9], "true");
     }
-    assert!(std::fs::read_dir(&directory).unwrap().next().is_none(), "--stdout wrote a file");
+    assert!(std::fs::read_dir(directory.path()).unwrap().next().is_none(), "--stdout wrote a file");
 }
 
 #[test]
 fn the_governing_bar_is_named() {
-    let directory = scratch("governs");
+    let directory = Scratch::new("governs");
     let bar = |modulus: f64| {
         format!(
             "[[bar]]\nlength = 1.0\nelements = 4\nyoungs_modulus = {modulus}\ndensity = 1.0\narea = 1.0\n"
         )
     };
-    std::fs::write(directory.join("two.toml"), format!("name = \"two\"\n{}{}", bar(1.0), bar(9.0))).unwrap();
+    std::fs::write(directory.path().join("two.toml"), format!("name = \"two\"\n{}{}", bar(1.0), bar(9.0)))
+        .unwrap();
     let out = run(OPTIMAL_RATIO, &directory, "two.toml --mass lumped --beta-s 1e4 --out out");
     assert_eq!(out.status.code(), Some(0));
     assert!(String::from_utf8_lossy(&out.stderr).contains("the elements of bar 2"));
@@ -69,7 +66,7 @@ fn the_governing_bar_is_named() {
 /// Force error and penetration of the stiff Signorini contact: the figures of the paper's problem.
 #[test]
 fn an_impact_is_summed_up() {
-    let directory = scratch("impact");
+    let directory = Scratch::new("impact");
     let arguments =
         "signorini --mass lumped --beta-s 1e4,1e12 --scheme predictor-corrector,park --stdout csv -q";
     let (header, rows) = rows(CONTACT_IMPACT, &directory, arguments);
@@ -90,19 +87,19 @@ fn an_impact_is_summed_up() {
 
 #[test]
 fn every_contact_has_its_history() {
-    let directory = scratch("three");
+    let directory = Scratch::new("three");
     let bar = "[[bar]]\nlength = 1.0\nelements = 5\nyoungs_modulus = 1.0\ndensity = 1.0\narea = 1.0\nvelocity = 1.0\n";
     let scene = format!(
         "name = \"three\"\n{bar}{}{}[impact]\nduration = 1.0\n",
         bar,
         bar.replace("velocity = 1.0", "")
     );
-    std::fs::write(directory.join("three.toml"), scene).unwrap();
+    std::fs::write(directory.path().join("three.toml"), scene).unwrap();
     let arguments = "three.toml --mass lumped --beta-s 10 --scheme park --out out --format csv,svg --theta 0.5 \
                      --relative-courant 0.4 --duration 2 --stress-at 1 --ratio 1 --threads 1";
     let out = run(CONTACT_IMPACT, &directory, arguments);
     assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
-    let read = |name: &str| std::fs::read_to_string(directory.join("out").join(name)).unwrap();
+    let read = |name: &str| std::fs::read_to_string(directory.path().join("out").join(name)).unwrap();
     let header = "time,contact_force,relative_gap,kinetic_energy,strain_energy,contact_work,penalty_energy,body_work,loss";
     for name in ["three-lumped-park-beta10-r1.csv", "three-lumped-park-beta10-r1-contact2.csv"] {
         assert_eq!(read(name).lines().next().unwrap(), header);
@@ -112,13 +109,13 @@ fn every_contact_has_its_history() {
     for name in ["three-force-lumped", "three-gap-lumped"] {
         assert_ne!(read(&format!("{name}.svg")), read(&format!("{name}-contact2.svg")));
     }
-    assert!(!directory.join("out/three-energy-lumped-contact2.svg").exists());
+    assert!(!directory.path().join("out/three-energy-lumped-contact2.svg").exists());
 }
 
 /// Beyond its limit a run blows up: that is a row and exit status 1, not a crash.
 #[test]
 fn a_run_that_blows_up_is_a_row() {
-    let directory = scratch("blow-up");
+    let directory = Scratch::new("blow-up");
     let arguments = "signorini --mass lumped --beta-s 1e4 --relative-courant 1.5 --stdout csv -q";
     let out = run(CONTACT_IMPACT, &directory, arguments);
     assert_eq!(out.status.code(), Some(1));
@@ -133,7 +130,7 @@ fn a_run_that_blows_up_is_a_row() {
 
 #[test]
 fn stepping_confirms_a_few_limits() {
-    let directory = scratch("verify");
+    let directory = Scratch::new("verify");
     let arguments =
         "--mass lumped,consistent --beta-s 0,3,1e12 --ratio 1,3,inf --tolerance 1e-4 --stdout csv -q";
     let (header, rows) = rows(VERIFY_LIMITS, &directory, arguments);
@@ -164,7 +161,7 @@ fn stepping_confirms_a_few_limits() {
 
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
-    let directory = scratch("threads");
+    let directory = Scratch::new("threads");
     let tools = [
         (OPTIMAL_RATIO, "hunek --mass lumped --beta-s 1,1e6"),
         (CONTACT_IMPACT, "hunek --mass averaged --beta-s 1e6"),
@@ -186,11 +183,11 @@ fn results_do_not_depend_on_the_number_of_threads() {
 
 #[test]
 fn wrong_input_is_refused_before_anything_is_written() {
-    let directory = scratch("refused");
+    let directory = Scratch::new("refused");
     // Scenes for this test lie elsewhere, so that the folder stays empty.
-    let scenes = scratch("refused-scenes");
+    let scenes = Scratch::new("refused-scenes");
     let bar = "[[bar]]\nlength = 1.0\nelements = 5\nyoungs_modulus = 1.0\ndensity = 1.0\narea = 1.0\n";
-    let alone = scenes.join("alone.toml");
+    let alone = scenes.path().join("alone.toml");
     std::fs::write(&alone, format!("name = \"alone\"\n{bar}[impact]\nduration = 1.0\n")).unwrap();
     let alone = alone.to_str().unwrap();
     let wrong = [
@@ -231,23 +228,23 @@ fn wrong_input_is_refused_before_anything_is_written() {
         let message = String::from_utf8_lossy(&out.stderr).into_owned();
         assert_eq!(out.status.code(), Some(2), "{arguments}: {message}");
         assert!(message.contains(named) && !message.contains("panicked"), "{arguments}: {message}");
-        assert!(std::fs::read_dir(&directory).unwrap().next().is_none(), "{arguments} wrote a file");
+        assert!(std::fs::read_dir(directory.path()).unwrap().next().is_none(), "{arguments} wrote a file");
     }
 }
 
 #[test]
 fn another_impact_leaves_the_files_of_the_usual_one() {
-    let directory = scratch("impact-folder");
+    let directory = Scratch::new("impact-folder");
     let run = |more: &str| {
         let words = format!("signorini --elements 4 --mass lumped --format csv --quiet {more}");
         let mut program = Command::new(CONTACT_IMPACT);
-        program.current_dir(&directory).args(words.split_whitespace());
+        program.current_dir(directory.path()).args(words.split_whitespace());
         assert!(program.status().unwrap().success(), "{more}");
     };
     run("--scheme park --beta-s 1");
     run("--scheme park --beta-s 1 --ratio 0.25");
     run("--scheme park --stiffness 1e4");
-    let mut folders: Vec<String> = std::fs::read_dir(directory.join("figures/contact-impact"))
+    let mut folders: Vec<String> = std::fs::read_dir(directory.path().join("figures/contact-impact"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();

@@ -4,19 +4,22 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::HashMap;
-use std::path::PathBuf;
 use std::process::Command;
+
+#[path = "common/tool.rs"]
+mod tool;
+
+use tool::Scratch;
 
 /// A row of a CSV file by column.
 type Row = HashMap<String, String>;
 
 /// The output folder of a run, which must end with exit status 0.
-fn run(name: &str, arguments: &str) -> PathBuf {
-    let directory = std::env::temp_dir().join(format!("bipenalty-opening-{name}-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&directory);
+fn run(name: &str, arguments: &str) -> Scratch {
+    let directory = Scratch::new(name);
     let out = Command::new(env!("CARGO_BIN_EXE_verify-limits"))
         .args(["--contact", "opening", "-q", "--out"])
-        .arg(&directory)
+        .arg(directory.path())
         .args(arguments.split_whitespace())
         .output()
         .unwrap();
@@ -26,8 +29,8 @@ fn run(name: &str, arguments: &str) -> PathBuf {
 }
 
 /// The rows of the only file whose name is `stem` and then the scene and the options.
-fn table(directory: &std::path::Path, stem: &str) -> Vec<Row> {
-    let files = std::fs::read_dir(directory).unwrap().map(|file| file.unwrap().path());
+fn table(directory: &Scratch, stem: &str) -> Vec<Row> {
+    let files = std::fs::read_dir(directory.path()).unwrap().map(|file| file.unwrap().path());
     let is = |path: &std::path::PathBuf| {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         name.strip_prefix(stem).is_some_and(|rest| {
