@@ -68,7 +68,7 @@ LARGEST = {
 
 @pytest.mark.parametrize("name", LARGEST)
 def test_largest_of_a_step(tools, asked, name):
-    """Of pairs of a step and a ratio, and of a step and a beta_s, after what the tool asks for its rows and its summary, in its order."""
+    """Of pairs of a step and a ratio, and of a step and a beta_s, asked after what the tool asks for its rows."""
     typed, make = asked
     keywords = LARGEST[name][1]
     free = make().critical_step(0.0).value
