@@ -38,11 +38,19 @@ impl Map {
 impl Map {
     /// The array of one quantity, NaN where nothing could be certified.
     fn array<'py>(&self, py: Python<'py>, quantity: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let count = self.shape[0] * self.shape[1];
         let of_step = |of: fn(&CriticalStep) -> f64| {
-            Ok(self.points().map(|point| point.step.as_ref().map_or(f64::NAN, of)).collect())
+            let mut found = Vec::with_capacity(count);
+            found.extend(self.points().map(|point| point.step.as_ref().map_or(f64::NAN, of)));
+            Ok(found)
         };
-        let of_seconds =
-            |at: usize| self.points().map(|point| Ok(seconds(&self.model, point)?[at])).collect();
+        let of_seconds = |at: usize| {
+            let mut found = Vec::with_capacity(count);
+            for point in self.points() {
+                found.push(seconds(&self.model, point)?[at]);
+            }
+            Ok(found)
+        };
         let found: Result<Vec<f64>, Refusal> = py.detach(|| match quantity {
             "critical_step" => of_seconds(0),
             "lower" => of_seconds(1),
