@@ -121,9 +121,12 @@ fn summarise(checked: &[Checked]) {
     };
     print_table(&header, kinds.iter().map(line));
     for case in checked.iter().filter(|case| !case.holds) {
-        eprintln!(
+        analyses::tell!(
             "does not hold: {}, {}: {:?} instead of {:?}",
-            case.case, case.quantity, case.computed, case.reference
+            case.case,
+            case.quantity,
+            case.computed,
+            case.reference
         );
     }
 }

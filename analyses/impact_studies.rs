@@ -163,7 +163,7 @@ fn summarise(rows: &[StudyRow]) {
     let header = ["scheme", "beta_s", "r", "C", "force", "impulse", "overshoot", "variation", "energy", "s"];
     for study in rows.chunk_by(|a, b| a.study == b.study) {
         let finest = study.iter().map(|row| row.cells).max().unwrap_or(0);
-        eprintln!(
+        analyses::tell!(
             "{}, {finest} cells: errors of force and impulse, energy at the end over that at the start",
             study[0].study
         );

@@ -8,7 +8,7 @@
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
-use analyses::cli::{Verdict, arguments, finish, restarted_with_one_blas_thread};
+use analyses::cli::{Verdict, arguments, finish, print_line, restarted_with_one_blas_thread};
 use analyses::error::Result;
 use bipenalty::fem::MassMatrix;
 use bipenalty::penalty::{PenaltyMass, Ratio, StiffnessPenalty};
@@ -46,10 +46,10 @@ struct Timing {
 struct Table(Vec<Timing>);
 
 impl Table {
-    fn add(&mut self, method: &str, problem: &str, seconds: f64) -> f64 {
-        println!("{method:<40} {problem:<44} {:>13.1}", seconds * 1e9);
+    fn add(&mut self, method: &str, problem: &str, seconds: f64) -> Result<f64> {
+        print_line(&format!("{method:<40} {problem:<44} {:>13.1}", seconds * 1e9))?;
         self.0.push(Timing { method: method.to_owned(), problem: problem.to_owned(), seconds });
-        seconds
+        Ok(seconds)
     }
 
     /// The quickest of the methods whose name begins so, on problems whose name begins so.
@@ -71,7 +71,7 @@ const BLAS_THREADS: &str = "OPENBLAS_NUM_THREADS";
 fn run(options: &Options) -> Result<Verdict> {
     let beta_s = Sweep::log(1e-3, 1e12, options.points)?;
     let grid = Grid::new(&beta_s, &Sweep::log(0.1, 1e3, options.points)?)?;
-    println!("{:<40} {:<44} {:>13}", "method", "problem", "ns a point");
+    print_line(&format!("{:<40} {:<44} {:>13}", "method", "problem", "ns a point"))?;
     let mut table = Table::default();
     let bare = closed_form_points(&grid, &mut table)?;
     sizes(&mut table)?;
@@ -81,10 +81,10 @@ fn run(options: &Options) -> Result<Verdict> {
     #[cfg(feature = "lapack")]
     lapack::routines(&mut table, &bar_on_wall(100, MassMatrix::CONSISTENT)?)?;
     if !cfg!(feature = "lapack") {
-        println!("LAPACK: not built in (--features lapack)");
+        print_line("LAPACK: not built in (--features lapack)")?;
     }
-    scipy(&mut table);
-    Ok(conclude(&table, bare, certified, unequal))
+    scipy(&mut table)?;
+    conclude(&table, bare, certified, unequal)
 }
 
 /// The middle of the times of repeated runs: at least 3, at most 25, for about half a second.
@@ -137,9 +137,9 @@ fn closed_form_points(grid: &Grid, table: &mut Table) -> Result<f64> {
         let engine = model.closed_form();
         let problem = format!("map, 100 elements, {}", mass.name());
         let bare = per_point(&model, grid, |penalty| engine.unproven(penalty));
-        slowest = slowest.max(table.add("closed-form", &problem, bare));
+        slowest = slowest.max(table.add("closed-form", &problem, bare)?);
         let enclosed = per_point(&model, grid, |penalty| certified(&engine, penalty));
-        table.add("closed-form certified", &problem, enclosed);
+        table.add("closed-form certified", &problem, enclosed)?;
     }
     Ok(slowest)
 }
@@ -151,9 +151,9 @@ fn sizes(table: &mut Table) -> Result<()> {
         let model = bar_on_wall(elements, MassMatrix::CONSISTENT)?;
         let engine = model.closed_form();
         let problem = format!("map, {elements} elements, consistent");
-        table.add("closed-form", &problem, per_point(&model, &grid, |penalty| engine.unproven(penalty)));
+        table.add("closed-form", &problem, per_point(&model, &grid, |penalty| engine.unproven(penalty)))?;
         let enclosed = per_point(&model, &grid, |penalty| certified(&engine, penalty));
-        table.add("closed-form certified", &problem, enclosed);
+        table.add("closed-form certified", &problem, enclosed)?;
     }
     Ok(())
 }
@@ -166,7 +166,7 @@ fn certified_maps(grid: &Grid, table: &mut Table) -> Result<f64> {
         let limit = Spectrum(Box::new(model.closed_form()));
         let seconds = typical(|| drop(std::hint::black_box(map(&model, grid, &limit, &|_| ()))));
         let problem = format!("map, 100 elements, {}, all cores", mass.name());
-        table.add("closed-form certified", &problem, seconds / grid.len() as f64);
+        table.add("closed-form certified", &problem, seconds / grid.len() as f64)?;
         total += seconds;
     }
     Ok(total)
@@ -187,7 +187,7 @@ fn unequal_bars(grid: &Grid, table: &mut Table) -> Result<f64> {
             drop(std::hint::black_box(limit.map(|limit| map(&model, grid, &limit, &|_| ()))));
         });
         let method = format!("{} certified", name.text());
-        table.add(&method, "unequal bars, 2 x 1e4 elements, all cores", seconds / grid.len() as f64);
+        table.add(&method, "unequal bars, 2 x 1e4 elements, all cores", seconds / grid.len() as f64)?;
         slower = slower.max(seconds);
     }
     Ok(slower)
@@ -202,7 +202,7 @@ fn engines(table: &mut Table) -> Result<()> {
         for name in [EngineName::Secular, EngineName::Sturm, EngineName::Dense] {
             let engine = model.engine(name, &pencil)?;
             let seconds = per_point(&model, &grid, |penalty| certified(&*engine, penalty));
-            table.add(name.text(), &format!("single points, {elements} elements, consistent"), seconds);
+            table.add(name.text(), &format!("single points, {elements} elements, consistent"), seconds)?;
         }
     }
     Ok(())
@@ -221,9 +221,9 @@ mod lapack {
         let (band_k, band_m) = (BandMatrix::of(&k), BandMatrix::of(&m));
         let problem = "100 elements, consistent";
         let full = typical(|| repeat(20, || dsygvx_largest(k.clone(), m.clone()))) / 20.0;
-        table.add("LAPACK dsygvx, largest only", problem, full);
+        table.add("LAPACK dsygvx, largest only", problem, full)?;
         let banded = typical(|| repeat(200, || dsbgvx_largest(band_k.clone(), band_m.clone()))) / 200.0;
-        table.add("LAPACK dsbgvx, largest only", problem, banded);
+        table.add("LAPACK dsbgvx, largest only", problem, banded)?;
         Ok(())
     }
 
@@ -235,42 +235,43 @@ mod lapack {
 }
 
 /// numpy and scipy, timed by their own script in the same run; only the solver counts, without its start-up.
-fn scipy(table: &mut Table) {
+fn scipy(table: &mut Table) -> Result<()> {
     let script = include_str!("peers/eigh_speed.py");
     let output = Command::new("python3").args(["-c", script, "100"]).env(BLAS_THREADS, "1").output();
     let text = match output {
         Ok(output) if output.status.success() => String::from_utf8_lossy(&output.stdout).into_owned(),
-        _ => return println!("scipy: not timed (python3 cannot import it)"),
+        _ => return print_line("scipy: not timed (python3 cannot import it)"),
     };
     for line in text.lines() {
         let field: Vec<&str> = line.split('|').collect();
         if let [method, seconds, _] = field[..]
             && let Ok(seconds) = seconds.parse()
         {
-            table.add(method, "100 elements, consistent", seconds);
+            table.add(method, "100 elements, consistent", seconds)?;
         }
     }
+    Ok(())
 }
 
 /// Says whether the closed form is as quick as it should be.
-fn conclude(table: &Table, bare: f64, certified: f64, unequal: f64) -> Verdict {
+fn conclude(table: &Table, bare: f64, certified: f64, unequal: f64) -> Result<Verdict> {
     let closed_form = table.best("closed-form", "map, 100 elements, consistent").unwrap_or(f64::NAN);
     let mut holds = true;
     let mut state = |what: &str, value: f64, unit: &str, wanted: f64, at_least: bool| {
         let met = if at_least { value >= wanted } else { value <= wanted };
         let (sign, verdict) = (if at_least { ">=" } else { "<=" }, if met { "holds" } else { "MISSED" });
-        println!("{what:<64} {value:>9.3} {unit:<4} {sign} {wanted:<6} {verdict}");
         holds &= met;
+        print_line(&format!("{what:<64} {value:>9.3} {unit:<4} {sign} {wanted:<6} {verdict}"))
     };
-    println!();
-    state("closed form without certificates, slowest mass, a point and core", bare * 1e9, "ns", 60.0, false);
-    state("three certified maps, 100 elements, all cores", certified, "s", 1.0, false);
-    state("one certified map, unequal bars, slower engine", unequal, "s", 3.0, false);
+    print_line("")?;
+    state("closed form without certificates, slowest mass, a point and core", bare * 1e9, "ns", 60.0, false)?;
+    state("three certified maps, 100 elements, all cores", certified, "s", 1.0, false)?;
+    state("one certified map, unequal bars, slower engine", unequal, "s", 3.0, false)?;
     if let Some(eigh) = table.best("scipy eigh", "100 elements") {
-        state("scipy eigh against the closed form", eigh / closed_form, "", 5000.0, true);
+        state("scipy eigh against the closed form", eigh / closed_form, "", 5000.0, true)?;
     }
     if let Some(banded) = table.best("LAPACK dsbgvx", "100 elements") {
-        state("best banded LAPACK against the closed form", banded / closed_form, "", 500.0, true);
+        state("best banded LAPACK against the closed form", banded / closed_form, "", 500.0, true)?;
     }
-    if holds { Verdict::Holds } else { Verdict::Fails }
+    Ok(if holds { Verdict::Holds } else { Verdict::Fails })
 }

@@ -153,7 +153,7 @@ impl Analysis for Options {
     }
 
     fn summarise(&self, found: &Found) {
-        found.answers.iter().for_each(|answer| eprintln!("{answer}"));
+        found.answers.iter().for_each(|answer| analyses::tell!("{answer}"));
         if !found.summaries.is_empty() {
             print_summaries(&found.summaries);
         }

@@ -11,7 +11,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, ExitCode, Stdio};
 
-use analyses::cli::{Verdict, arguments, finish};
+use analyses::cli::{Verdict, arguments, finish, print_line};
 use analyses::error::{Refusal, Result};
 use bipenalty::fem::MassMatrix;
 use bipenalty::mesh::MeshScene;
@@ -52,9 +52,12 @@ fn main() -> ExitCode {
 fn compare(options: &Options) -> Result<Verdict> {
     let peer = compile_peer();
     if let Err(reason) = &peer {
-        println!("no C peer: {reason}");
+        print_line(&format!("no C peer: {reason}"))?;
     }
-    println!("{:<12} {:>6} {:>14} {:>14} {:>7}", "mass", "nodes", "here, 1/s", "C, 1/s", "ratio");
+    print_line(&format!(
+        "{:<12} {:>6} {:>14} {:>14} {:>7}",
+        "mass", "nodes", "here, 1/s", "C, 1/s", "ratio"
+    ))?;
     let masses = [("lumped", MassMatrix::LUMPED, 1), ("consistent", MassMatrix::CONSISTENT, 10)];
     for ((name, mass, slower), nodes) in masses.into_iter().flat_map(|mass| NODES.map(|nodes| (mass, nodes)))
     {
@@ -68,13 +71,14 @@ fn compare(options: &Options) -> Result<Verdict> {
             }));
         }
         let here = median(&mut here);
-        match there.is_empty() {
-            true => println!("{name:<12} {nodes:>6} {here:>14.3e} {:>14} {:>7}", "-", "-"),
+        let beside = match there.is_empty() {
+            true => format!("{:>14} {:>7}", "-", "-"),
             false => {
                 let there = median(&mut there);
-                println!("{name:<12} {nodes:>6} {here:>14.3e} {there:>14.3e} {:>7.2}", here / there);
+                format!("{there:>14.3e} {:>7.2}", here / there)
             }
-        }
+        };
+        print_line(&format!("{name:<12} {nodes:>6} {here:>14.3e} {beside}"))?;
     }
     if let Ok(program) = peer {
         // A file left in the temporary directory is no failure of the measurement.
@@ -83,10 +87,10 @@ fn compare(options: &Options) -> Result<Verdict> {
     let script = peers().join("step_speed.py");
     let bar = ["bar", &NODES[1].to_string(), "5000", "3"];
     match output(Command::new("python3").arg(script).args(bar)) {
-        Some(rate) => println!("numpy, lumped, {} nodes: {rate:.3e} 1/s", NODES[1]),
-        None => println!("no numpy peer: python3 with numpy was not found"),
+        Some(rate) => print_line(&format!("numpy, lumped, {} nodes: {rate:.3e} 1/s", NODES[1]))?,
+        None => print_line("no numpy peer: python3 with numpy was not found")?,
     }
-    println!("{}", Square::measure(options.repeats)?);
+    print_line(&Square::measure(options.repeats)?.to_string())?;
     Ok(Verdict::Holds)
 }
 

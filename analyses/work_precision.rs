@@ -113,7 +113,7 @@ impl Analysis for Options {
         if let Some(peers) = plan.peers {
             measurements.extend(measure_peers(&peers, plan.amount, self)?);
         } else if !quiet {
-            eprintln!("peers left out: python3 cannot import scipy (--peers names another Python)");
+            analyses::tell!("peers left out: python3 cannot import scipy (--peers names another Python)");
         }
         mark_front(&mut measurements);
         let files = write(output, plan.amount, &measurements)?;
@@ -183,7 +183,7 @@ fn measure_peers(peers: &Peers, amount: &Amount, options: &Options) -> Result<Ve
     let rows = peers.run(script, arguments, ExactEigenvalues::built_in().text(), amount.peers_limit)?;
     drop(progress);
     if let Some(why) = rows.broken_off {
-        eprintln!("the peers were broken off: {why}; the table has the rows before that");
+        analyses::tell!("the peers were broken off: {why}; the table has the rows before that");
     }
     Ok(rows.measurements)
 }
@@ -250,6 +250,13 @@ fn summarise(measurements: &[Measurement]) {
     };
     print_table(&header, methods.iter().map(line));
     for m in measurements.iter().filter(|m| matches!(m.status, Status::Wrong(_))) {
-        eprintln!("{}, {}, {} elements: {} (error {:?})", m.problem, m.method, m.size, m.status, m.error);
+        analyses::tell!(
+            "{}, {}, {} elements: {} (error {:?})",
+            m.problem,
+            m.method,
+            m.size,
+            m.status,
+            m.error
+        );
     }
 }

@@ -205,3 +205,14 @@ fn files_are_short() {
     let long: Vec<_> = files.iter().filter(|path| lines(path) > MOST_LINES).collect();
     assert!(long.is_empty(), "more than {MOST_LINES} lines: {long:?}");
 }
+
+/// `println!` and its kin panic where the reader of a pipe has gone; the tools have lines of their own that do not.
+#[test]
+fn nothing_is_printed_that_panics() {
+    for path in ["src", "analyses"].iter().flat_map(|folder| rust_files(&root().join(folder))) {
+        let source = fs::read_to_string(&path).unwrap();
+        let printed =
+            source.lines().map(code).find(|line| line.contains("println!") || line.contains("print!("));
+        assert!(printed.is_none() || path.ends_with("build.rs"), "{}: {printed:?}", path.display());
+    }
+}

@@ -13,6 +13,15 @@
 //! ```
 //! `bipenalty` computes and knows no tool; `figure` draws and knows no physics; `precision` measures errors and times.
 
+/// A line for the person who runs the tool, on standard error. That nobody reads it, a closed pipe, is no failure of a run.
+#[macro_export]
+macro_rules! tell {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr(), $($text)*);
+    }};
+}
+
 pub mod charts;
 pub mod cli;
 pub mod error;

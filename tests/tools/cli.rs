@@ -210,6 +210,20 @@ fn a_reader_that_stops_early_is_no_error() {
         assert_eq!(String::from_utf8_lossy(&out.stderr), "", "{arguments}");
         assert_eq!(out.status.code(), Some(0), "{arguments}");
     }
+    // Nor is one who does not want the summary.
+    let scratch = Scratch::new("no reader");
+    let (tool, step_speed) = (TOOL, env!("CARGO_BIN_EXE_step-speed"));
+    for (tool, arguments) in [(tool, "signorini --ratio 1 --out ."), (step_speed, "--repeats 1")] {
+        let mut child = Command::new(tool)
+            .args(arguments.split(' '))
+            .current_dir(scratch.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop((child.stdout.take(), child.stderr.take()));
+        assert_eq!(child.wait().unwrap().code(), Some(0), "{arguments}");
+    }
 }
 
 /// 300 decades, lists out of order and with repetition, a path with a space, odd names: legal, if unusual.

@@ -45,7 +45,7 @@ pub use opening::{Contact, OpeningOptions, OpeningPlan, OpeningResult};
 pub use options::{
     Format, OutputOptions, RatioSpec, SceneOptions, StandardOutput, Units, WidthOption, penalties_of,
 };
-pub use output::Output;
+pub use output::{Output, print_line};
 pub use passages::{FinishedPassage, Kept, PlannedPassage, StepOptions, check_passages, execute_passages};
 pub use peers::{PeerRows, Peers, machine, restarted_with_one_blas_thread};
 use plan::seconds_of;
@@ -83,7 +83,7 @@ pub fn finish(outcome: Result<Verdict>) -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("error: {}", options::by_option(error));
+            crate::tell!("error: {}", options::by_option(error));
             ExitCode::from(2)
         }
     }

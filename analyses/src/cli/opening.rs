@@ -291,13 +291,15 @@ impl OpeningResult {
                 row.energy_ratio.map_or("-".to_owned(), |kept| digits(kept.0)),
             ]
         };
-        eprintln!("contact that opens and closes:");
+        crate::tell!("contact that opens and closes:");
         print_table(&header, Recommendation::all(&self.rows).iter().map(cells));
         if plan.left_out > 0 {
-            eprintln!("left out: {} points that need more than {MOST_STEPS} steps a run", plan.left_out);
+            crate::tell!("left out: {} points that need more than {MOST_STEPS} steps a run", plan.left_out);
         }
         if !self.holds {
-            eprintln!("NOT AS PROVEN: a scheme that is proven to gain nothing gained energy below its limit");
+            crate::tell!(
+                "NOT AS PROVEN: a scheme that is proven to gain nothing gained energy below its limit"
+            );
         }
     }
 }

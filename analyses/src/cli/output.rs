@@ -88,7 +88,7 @@ impl Output {
     pub fn check_redrawn(&self) -> bool {
         let doubt = self.doubt.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(differs) = &doubt {
-            eprintln!("does not hold: {differs}");
+            crate::tell!("does not hold: {differs}");
         }
         doubt.is_none()
     }
@@ -102,8 +102,8 @@ impl Output {
     pub fn report(&self, files: usize) {
         match files {
             0 => (),
-            1 => eprintln!("1 file in {}", self.directory.display()),
-            _ => eprintln!("{files} files in {}", self.directory.display()),
+            1 => crate::tell!("1 file in {}", self.directory.display()),
+            _ => crate::tell!("{files} files in {}", self.directory.display()),
         }
     }
 
@@ -396,6 +396,14 @@ impl RowFile {
         }
         self.writer.flush().and_then(|()| std::fs::rename(&self.draft, &self.path)).map_err(failed)
     }
+}
+
+/// A line on standard output.
+///
+/// # Errors
+/// What the system says; that the reader has gone ends a tool without complaint ([`super::finish`]).
+pub fn print_line(line: &str) -> Result<()> {
+    print_bytes(format!("{line}\n").as_bytes())
 }
 
 fn print_bytes(bytes: &[u8]) -> Result<()> {

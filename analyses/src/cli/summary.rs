@@ -191,7 +191,7 @@ pub fn print_summaries(summaries: &[MapSummary]) {
     }
     print_table(&HEADER, merged.iter().map(MapSummary::cells));
     let points = merged.iter().map(|summary| summary.points).sum();
-    eprintln!("{} in {}", count(points), duration(merged.iter().map(|summary| summary.seconds).sum()));
+    crate::tell!("{} in {}", count(points), duration(merged.iter().map(|summary| summary.seconds).sum()));
     say(WORDS);
     if merged.iter().any(|summary| summary.touches) {
         say(CAUTION);
@@ -265,13 +265,13 @@ pub fn print_impacts(rows: &[ImpactRow]) {
         ]
     };
     for rows in rows.chunk_by(|a, b| (&a.scene, &a.mass) == (&b.scene, &b.mass)) {
-        eprintln!("{}, {} mass", rows[0].scene, rows[0].mass);
+        crate::tell!("{}, {} mass", rows[0].scene, rows[0].mass);
         print_table(&header, rows.iter().map(cells));
     }
     let gained = rows.iter().filter(|row| row.gained).count();
     if gained > 0 {
         let all = rows.len();
-        eprintln!(
+        crate::tell!(
             "{gained} of {all} runs ended with more energy than they were given, from contact: a step below the linear limit does not \
              prevent it; up to --relative-courant 0.99 buffered central differences (--scheme buffered) cannot, at any ratio, \
              and the predictor-corrector at r = 1/4 (--scheme predictor-corrector --ratio 0.25) did not"
@@ -280,7 +280,7 @@ pub fn print_impacts(rows: &[ImpactRow]) {
     let blown_up = rows.iter().filter(|row| row.ending.starts_with("blew up")).count();
     if blown_up > 0 {
         let all = rows.len();
-        eprintln!(
+        crate::tell!(
             "{blown_up} of {all} runs blew up, so that they have no errors and are in no figure: \
              their step is too large for the scheme; a smaller --relative-courant or --ratio helps"
         );
@@ -294,7 +294,7 @@ fn ratio(x: f64) -> String {
 
 /// Prints a paragraph on standard error, its lines within the columns of a summary.
 pub(super) fn say(text: &str) {
-    eprintln!("{}", wrapped(text, COLUMNS.into()));
+    crate::tell!("{}", wrapped(text, COLUMNS.into()));
 }
 
 /// The words of `text` in lines of up to `columns` letters, all but the first indented.
@@ -319,7 +319,7 @@ const COLUMNS: u16 = 100;
 
 /// Prints a plain table on standard error; cells that do not fit go on in a second line, between words.
 pub fn print_table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
-    eprintln!("{}", arranged(header, rows));
+    crate::tell!("{}", arranged(header, rows));
 }
 
 fn arranged(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {

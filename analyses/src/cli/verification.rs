@@ -10,7 +10,7 @@ pub fn print_verification(all: &[Vec<VerifyRow>]) {
     let unseen = || all.iter().flatten().filter(|row| row.agrees.is_none());
     let steps = unseen().filter_map(|row| row.steps_needed).map(|steps| steps.0);
     if let Some(most) = steps.reduce(f64::max) {
-        eprintln!(
+        crate::tell!(
             "{} of {} points are not judged: above the predicted limit growth is too slow to be seen \
              (predicted_growth), up to {most:.0e} steps would show it (steps_needed); below it none grew",
             unseen().count(),
@@ -19,13 +19,15 @@ pub fn print_verification(all: &[Vec<VerifyRow>]) {
     }
     let unpredicted = all.iter().flatten().filter(|row| row.predicted.is_none()).count();
     if unpredicted > 0 {
-        eprintln!(
+        crate::tell!(
             "{unpredicted} points have no prediction: stable_at and unstable_at are what stepping found"
         );
     }
     let growing = all.iter().flatten().filter(|row| row.stable_at.0 == 0.0).count();
     if growing > 0 {
-        eprintln!("{growing} points have no stable step that trials of this length can tell (stable_at = 0)");
+        crate::tell!(
+            "{growing} points have no stable step that trials of this length can tell (stable_at = 0)"
+        );
     }
     islands(all);
 }
@@ -40,7 +42,7 @@ pub fn print_reasons(reasons: &[String]) {
         }
     }
     for (reason, count) in counted {
-        eprintln!("{count} points without a prediction: {reason}");
+        crate::tell!("{count} points without a prediction: {reason}");
     }
 }
 
@@ -48,7 +50,7 @@ pub fn print_reasons(reasons: &[String]) {
 fn islands(all: &[Vec<VerifyRow>]) {
     let with = || all.iter().flatten().filter(|row| !row.islands.is_empty());
     if let Some(row) = with().next() {
-        eprintln!(
+        crate::tell!(
             "{} points are stable again above their limit (islands), as {}, {} mass, {}, beta_s = {}, r = {}: limit \
              {:.6}, island {}; when the contact opens the contact-free limit binds",
             with().count(),
