@@ -284,8 +284,9 @@ impl<S: Source> Curve<S> {
                     growth = (growth * growth).min(4.0);
                 }
                 Verdict::TooClose(needed) => {
-                    margin = 2.0 * needed;
-                    (failed, step) = (step, step.max(4.0 * margin * start));
+                    // The rounding at a u that is larger by its own amount is the same to that part.
+                    margin = 1.1 * needed;
+                    (failed, step) = (step, step.max(1.5 * margin * start));
                 }
             }
         }

@@ -57,7 +57,13 @@ impl MeshModel {
                 // With m/(1 + e) for m the root of f(s - l m) = l moves up, and by no more than e: f(s - l m) = l itself
                 // lies at l (1 + e) or above.
                 let more = if asked.mass > 0.0 { error } else { 0.0 };
-                Ok(Step { l: Enclosure { upper: step.l.upper * (1.0 + more), ..step.l }, ..step })
+                let l = Enclosure { upper: step.l.upper * (1.0 + more), ..step.l };
+                // Half of `more`, and half of the error again in units of the reference.
+                let total = (l.upper / l.lower).sqrt() * (1.0 + 0.5 * error) - 1.0;
+                if error > 0.5 * width && total > width {
+                    return Err(uncertified(Enclosed { lower: l.lower, upper: l.upper * (1.0 + error) }));
+                }
+                Ok(Step { l, ..step })
             };
             let steps = asked.iter().zip(found).map(point).collect();
             Ok(Found { steps, engine: engine(prover), error })
@@ -168,8 +174,8 @@ fn uncertified(Enclosed { lower, upper }: Enclosed) -> Uncertified {
     Uncertified { value: lower, width: if lower > 0.0 { upper / lower - 1.0 } else { f64::INFINITY } }
 }
 
-/// In units of the reference, which may be larger by a part: C = omega_ref dt/2.
+/// In units of the reference omega_ref^2, which may be larger by a part e: C = omega_ref dt/2, (1 + e)^1/2 <= 1 + e/2.
 fn critical_step(reference: f64, error: f64, step: Step) -> CriticalStep {
     let found = model::critical_step(0.25 * reference, step);
-    CriticalStep { upper: found.upper * (1.0 + error), ..found }
+    CriticalStep { upper: found.upper * (1.0 + 0.5 * error), ..found }
 }
