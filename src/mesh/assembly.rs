@@ -77,6 +77,13 @@ impl Elements {
         self.dofs.iter().filter(|dof| **dof != HELD).count()
     }
 
+    /// The direction of each unknown.
+    pub fn directions(&self) -> Vec<u8> {
+        // Free degrees of freedom are numbered in their order.
+        let free = self.dofs.iter().enumerate().filter(|(_, dof)| **dof != HELD);
+        free.map(|(at, _)| (at % self.dimension) as u8).collect()
+    }
+
     /// Number of elements.
     pub fn len(&self) -> usize {
         self.first[self.bodies.len()].1

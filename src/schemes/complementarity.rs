@@ -42,13 +42,16 @@ impl Complementarity {
         let apart = share == 0.0 || contacts.act_apart();
         let entry =
             |i: usize, j: usize| if i == j { diagonal[i] } else { share * contacts.compliance_between(i, j) };
-        let coupled = (!apart).then(|| Coupled {
-            matrix: Mat::from_fn(k, k, entry),
-            active: vec![false; k],
-            factored: Vec::new(),
-            factor: None,
-        });
-        Self { diagonal, coupled }
+        let matrix = (!apart).then(|| Mat::from_fn(k, k, entry));
+        Self { diagonal, coupled: matrix.map(Coupled::new) }
+    }
+
+    /// For any symmetric positive definite matrix in place of a G + E.
+    pub fn of(matrix: Mat<f64>) -> Self {
+        let k = matrix.nrows();
+        let apart = (0..k).all(|i| (0..i).all(|j| matrix[(i, j)] == 0.0));
+        let diagonal = (0..k).map(|j| matrix[(j, j)]).collect();
+        Self { diagonal, coupled: (!apart).then(|| Coupled::new(matrix)) }
     }
 
     /// lambda, N, for b = `demand`; 0 for contacts that do not `count`.
@@ -78,6 +81,10 @@ impl Complementarity {
 }
 
 impl Coupled {
+    fn new(matrix: Mat<f64>) -> Self {
+        Self { active: vec![false; matrix.nrows()], matrix, factored: Vec::new(), factor: None }
+    }
+
     fn push(&mut self, demand: &[f64], count: &[bool], lambda: &mut [f64]) {
         self.active.iter_mut().zip(count).for_each(|(active, count)| *active &= count);
         let (mut fewest, mut patience) = (usize::MAX, PATIENCE);

@@ -1,64 +1,33 @@
-//! M' of a pencil, and the springs of its contact nodes.
+//! M' of a pencil: which unknowns lose their mass, and which take it.
 
 use crate::error::Refusal;
 use crate::pencil::{Matrix, Pencil, Tridiagonal};
 use crate::sparse::Csr;
 
-/// A node without mass.
-#[derive(Debug, Clone)]
-pub(super) struct Massless {
-    pub node: usize,
-    /// z of its contact there.
-    pub weight: f64,
-    /// K_ii, N/m, and the rest of its row.
-    pub stiffness: f64,
-    pub springs: Vec<(usize, f64)>,
+/// The unknowns of the contacts, ascending.
+pub(super) fn massless(pencil: &Pencil) -> Vec<usize> {
+    let mut found: Vec<usize> =
+        pencil.gaps().iter().flat_map(|gap| gap.column.0.iter().map(|(i, _)| *i as usize)).collect();
+    found.sort_unstable();
+    found.dedup();
+    found
 }
 
-/// The massless nodes of every contact.
-pub(super) fn massless(pencil: &Pencil) -> Result<Vec<Vec<Massless>>, Refusal> {
-    let k = pencil.stiffness();
-    let mut contact_of = vec![usize::MAX; pencil.size()];
-    for (j, gap) in pencil.gaps().iter().enumerate() {
-        for (node, _) in &gap.column.0 {
-            if std::mem::replace(&mut contact_of[*node as usize], j) != usize::MAX {
-                return Err(refusal(*node as usize, "in two contacts"));
-            }
-        }
-    }
-    let spring = |(node, z): &(u32, f64)| {
-        let node = *node as usize;
-        let springs: Vec<_> = k.row(node).filter(|(j, k)| *j != node && *k != 0.0).collect();
-        if springs.is_empty() || springs.iter().any(|(_, k)| *k > 0.0) {
-            return Err(refusal(node, "with no neighbour that its stiffness tells"));
-        }
-        if springs.iter().any(|(j, _)| contact_of[*j] != usize::MAX) {
-            return Err(refusal(node, "beside another node in contact"));
-        }
-        Ok(Massless { node, weight: *z, stiffness: k.diagonal(node), springs })
-    };
-    pencil.gaps().iter().map(|gap| gap.column.0.iter().map(spring).collect()).collect()
-}
-
-fn refusal(node: usize, what: &str) -> Refusal {
-    let allowed = "bars, each contact at nodes of its own with a node inside the body beside them";
-    Refusal::new("mass redistribution", format!("unknown {node} {what}"), allowed)
-}
-
-/// The pencil with M' in place of M; massless nodes have 1 kg there, which nothing may use.
-pub(super) fn redistributed(pencil: &Pencil, massless: &[Vec<Massless>]) -> Pencil {
+/// The pencil with M' in place of M; massless unknowns have 1 kg there, which nothing may use.
+pub(super) fn redistributed(pencil: &Pencil, massless: &[usize]) -> Result<Pencil, Refusal> {
     let (n, mass) = (pencil.size(), pencil.mass());
-    let mut own: Vec<f64> = (0..n).map(|i| mass.diagonal(i)).collect();
     let mut removed = vec![false; n];
-    for node in massless.iter().flatten() {
-        removed[node.node] = true;
-        // What the node has and shares: z'Mz of a translation keeps its value.
-        let beside: f64 = mass.row(node.node).filter(|(j, _)| *j != node.node).map(|(_, m)| 2.0 * m).sum();
-        let total = mass.diagonal(node.node) + beside;
-        let stiffness: f64 = node.springs.iter().map(|(_, k)| k).sum();
-        node.springs.iter().for_each(|(j, k)| own[*j] += total * k / stiffness);
+    massless.iter().for_each(|i| removed[*i] = true);
+    let mut own: Vec<f64> = (0..n).map(|i| mass.diagonal(i)).collect();
+    for i in massless {
+        // What it has, what it shares with one that keeps its mass, twice, and half of what it shares with one that does not:
+        // z'Mz of a translation z keeps its value.
+        let beside = mass.row(*i).filter(|(j, _)| j != i);
+        let beside: f64 = beside.map(|(j, m)| if removed[j] { m } else { 2.0 * m }).sum();
+        let (total, takers) = (mass.diagonal(*i) + beside, takers(pencil, &removed, *i)?);
+        takers.iter().for_each(|j| own[*j] += total / takers.len() as f64);
     }
-    (0..n).filter(|i| removed[*i]).for_each(|i| own[i] = 1.0);
+    massless.iter().for_each(|i| own[*i] = 1.0);
     let kept = |i: usize, j: usize| !removed[i] && !removed[j];
     let mass = match mass {
         Matrix::Diagonal(_) => Matrix::Diagonal(own),
@@ -74,5 +43,37 @@ pub(super) fn redistributed(pencil: &Pencil, massless: &[Vec<Massless>]) -> Penc
             Matrix::Sparse(Csr::from_triplets(n, n, &own.chain(beside).collect::<Vec<_>>()))
         }
     };
-    pencil.with_mass(mass)
+    Ok(pencil.with_mass(mass))
+}
+
+/// The nearest unknowns with mass that move in the direction of `start`: those of the nodes that share an element with its node, or
+/// if all these are massless, with one of them.
+fn takers(pencil: &Pencil, removed: &[bool], start: usize) -> Result<Vec<usize>, Refusal> {
+    let (k, directions) = (pencil.stiffness(), pencil.directions());
+    let refused = |i: usize, what: &str| {
+        let allowed = "a mesh or bars, with a node inside the body for each node in contact";
+        Refusal::new("mass redistribution", format!("unknown {i} {what}"), allowed)
+    };
+    let (mut seen, mut edge) = (vec![start], vec![start]);
+    while !edge.is_empty() {
+        let mut next = Vec::new();
+        for i in edge {
+            for (j, stiffness) in k.row(i).filter(|(j, stiffness)| *j != i && *stiffness != 0.0) {
+                if directions.is_empty() && stiffness > 0.0 {
+                    return Err(refused(i, "moves in a direction that is not known"));
+                }
+                let aside = !directions.is_empty() && directions[i] != directions[j];
+                if !aside && !seen.contains(&j) {
+                    seen.push(j);
+                    next.push(j);
+                }
+            }
+        }
+        let inside: Vec<usize> = next.iter().copied().filter(|j| !removed[*j]).collect();
+        if !inside.is_empty() {
+            return Ok(inside);
+        }
+        edge = next;
+    }
+    Err(refused(start, "with no mass inside the body in its direction"))
 }

@@ -1,19 +1,20 @@
 //! Central differences with no mass at the contact: the mass redistribution method (Khenous, Laborde, Renard, Eur. J. Mech.
 //! A 27, 2008; semi-explicit as in Doyen, Ern, Piperno, SIAM J. Sci. Comput. 33, 2011).
 //!
-//! The mass of the contact nodes goes to their neighbours in the body, so that the whole keeps its mass. What is left of a
-//! contact node is a spring: at each step it is where forces balance, and the reaction is found with it,
+//! The mass of the contact unknowns goes to their neighbours in the body that move in the same direction, in equal parts: no mass is
+//! negative, and the whole keeps its mass (not its centre, which moves by less than an element). What is left of a contact
+//! unknown are springs: at each step it is where forces balance, and the reaction is found with it ([`super::Equilibrium`]),
 //!
 //! ```text
-//! M' a = f - K u - Z lambda      in its rows of contact nodes 0 = f - K u - Z lambda      0 <= lambda   perpendicular to   g_n <= 0
+//! M' a = f - K u - Z lambda      in rows of contact unknowns 0 = f - K u - Z lambda      0 <= lambda   perpendicular to   g_n <= 0
 //! ```
-//! No penalty. The inner nodes see a potential that is convex and has a continuous slope, min over the contact nodes of
-//! u'Ku/2 - f'u: nothing jumps when a contact opens or closes. Its second derivative is at most K of the inner nodes, and
-//! M' >= M there, so that the contact-free step of (K, M) is stable with contacts held open or closed; that opening and
-//! closing gains nothing is not proven.
+//! No penalty. The inner unknowns see a potential that is convex and has a continuous slope, the minimum over the contact
+//! unknowns of u'Ku/2 - f'u: nothing jumps when a contact opens or closes. Its second derivative is at most K of the inner
+//! unknowns, and M' >= M there, so that the contact-free step of (K, M) is stable with contacts held open or closed; that
+//! opening and closing gains nothing is not proven.
 //!
-//! Offered where a neighbour can be told from the matrices: one direction (no positive entry beside the diagonal of a contact
-//! row), each contact at nodes of its own that no element joins. Bars are such, whatever their mass matrix.
+//! Offered for bars and meshes, whose directions are known; of other matrices where no entry beside the diagonal of the rows in
+//! question is positive, which one direction has. The flexibility of the contacts is a full matrix of their number.
 
 mod mass;
 mod motion;
