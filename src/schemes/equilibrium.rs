@@ -122,7 +122,11 @@ fn within(z: &SparseVector, local: &[u32]) -> SparseVector {
 /// The Cholesky factor of K_cc.
 fn factor(k: &Matrix, unknowns: &[usize], local: &[u32]) -> Result<SparseLlt<usize, f64>, Refusal> {
     let refused = |why: String| {
-        Refusal::new("unknowns at rest", why, "a stiffness that resists every motion of them, and fits into memory")
+        Refusal::new(
+            "unknowns at rest",
+            why,
+            "a stiffness that resists every motion of them, and fits into memory",
+        )
     };
     let lower = |(at, i): (usize, &usize)| {
         let row = k.row(*i).filter(|(j, _)| local[*j] != u32::MAX);

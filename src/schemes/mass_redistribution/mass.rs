@@ -25,6 +25,15 @@ pub(super) fn redistributed(pencil: &Pencil, massless: &[usize]) -> Result<Penci
         let beside = mass.row(*i).filter(|(j, _)| j != i);
         let beside: f64 = beside.map(|(j, m)| if removed[j] { m } else { 2.0 * m }).sum();
         let (total, takers) = (mass.diagonal(*i) + beside, takers(pencil, &removed, *i)?);
+        // As consistent masses of elements of second order have it.
+        if total <= 0.0 {
+            let allowed = "a lumped mass, or elements of first order";
+            return Err(Refusal::new(
+                "mass redistribution",
+                format!("unknown {i} with {total:e} kg"),
+                allowed,
+            ));
+        }
         takers.iter().for_each(|j| own[*j] += total / takers.len() as f64);
     }
     massless.iter().for_each(|i| own[*i] = 1.0);

@@ -14,7 +14,8 @@
 //! opening and closing gains nothing is not proven.
 //!
 //! Offered for bars and meshes, whose directions are known; of other matrices where no entry beside the diagonal of the rows in
-//! question is positive, which one direction has. The flexibility of the contacts is a full matrix of their number.
+//! question is positive, which one direction has; not for consistent masses of elements of second order, whose corners would give away
+//! less than nothing. The flexibility of the contacts is a full matrix of their number.
 
 mod mass;
 mod motion;

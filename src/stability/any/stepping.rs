@@ -19,11 +19,12 @@ impl MeshModel {
         let own = Bounds::of_lumped(stiffness, diagonal).stiffness;
         let pencil = |q: f64, rows: f64| {
             let bounds = Bounds { stiffness: own * q, mass: (rows * q).max(1.0) };
-            Pencil::new(stiffness.clone(), mass.clone(), gaps.to_vec(), bounds, reference)
-                .and_then(|pencil| match self.mesh() {
+            Pencil::new(stiffness.clone(), mass.clone(), gaps.to_vec(), bounds, reference).and_then(
+                |pencil| match self.mesh() {
                     Some(elements) => pencil.at_rest().moving(elements.directions()),
                     None => Ok(pencil.at_rest()),
-                })
+                },
+            )
         };
         if mass.is_diagonal() {
             return pencil(1.0, 1.0);
