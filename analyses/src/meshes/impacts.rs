@@ -26,17 +26,6 @@ const PAPER: f64 = 0.5;
 /// The penalties of the studies where another thing is varied.
 const STIFF: f64 = 1e4;
 
-/// The schemes: all that step meshes. Mass redistribution is made for bars, where a node has one neighbour to take its mass.
-const SCHEMES: [SchemeName; 7] = [
-    SchemeName::CentralDifference,
-    SchemeName::PredictorCorrector,
-    SchemeName::Park,
-    SchemeName::Buffered,
-    SchemeName::Lagrange,
-    SchemeName::MoreauJean,
-    SchemeName::PaoliSchatzman,
-];
-
 /// How fine the studies are.
 #[derive(Debug, Clone)]
 pub struct ImpactFineness {
@@ -186,7 +175,7 @@ fn lines() -> Vec<(SchemeName, f64)> {
         true => vec![(*scheme, 1.0), (*scheme, 0.25)],
         false => vec![(*scheme, 1.0)],
     };
-    SCHEMES.iter().flat_map(one).collect()
+    SchemeName::ALL.iter().flat_map(one).collect()
 }
 
 fn blocks(cells: &[usize]) -> Result<Vec<Block>> {
@@ -231,7 +220,7 @@ pub fn penalty(fine: &ImpactFineness) -> Result<Vec<StudyRow>> {
 pub fn oscillation(fine: &ImpactFineness) -> Result<Vec<StudyRow>> {
     let block = Block::new(fine.usual)?;
     let cases: Vec<_> =
-        [1.0, 0.25, f64::INFINITY].iter().flat_map(|r| SCHEMES.map(|scheme| (scheme, *r))).collect();
+        [1.0, 0.25, f64::INFINITY].iter().flat_map(|r| SchemeName::ALL.map(|scheme| (scheme, *r))).collect();
     let row = |(scheme, ratio): &(SchemeName, f64)| {
         block.row("oscillation", *scheme, (STIFF, *ratio), Pace::Limit(SHARE), false)
     };
