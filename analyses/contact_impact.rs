@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 use analyses::cli::{
     Analysis, FinishedRun, Format, Frame, Intent, Kept, Output, OutputOptions, PlannedPassage, PlannedRun,
-    Progress, SceneOptions, StepOptions, Verdict, axis_word, check_memory, check_passages, check_stems,
-    checked_grid, draw_impacts, draw_passages, execute, execute_passages, narrate, penalties_of,
-    print_impacts, question, require_memory, write_impacts,
+    Progress, SceneOptions, StepOptions, Verdict, axis_word, check_fields, check_memory, check_passages,
+    check_stems, checked_grid, draw_fields, draw_impacts, draw_passages, execute, execute_passages, narrate,
+    penalties_of, print_impacts, question, require_memory, write_impacts,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::ImpactRow;
@@ -58,9 +58,13 @@ struct Options {
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Time in s at which the stress along the bars is taken [default: a quarter into the first contact of the exact
-    /// solution; without one, a sixth of the simulated time]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    stress_at: Option<f64>,
+    /// solution; without one, a sixth of the simulated time]; up to 6 for --fields
+    #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true)]
+    stress_at: Vec<f64>,
+    /// Of meshes also draw, run by run, stress in the deformed bodies (in the plane) and pressure and gap along the contact
+    /// surfaces [default: at the largest contact force, and halfway to it and from it; else --stress-at]
+    #[arg(long)]
+    fields: bool,
     /// Keep every N-th step only, for long runs; the errors are those of every step
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1)]
     every: u64,
@@ -114,7 +118,10 @@ impl Analysis for Options {
             schemes,
             number("theta", Some(self.theta).filter(|theta| *theta != USUAL_THETA)),
             number("t", self.duration),
-            number("stress", self.stress_at),
+            (!self.stress_at.is_empty()).then(|| {
+                let times: Vec<String> = self.stress_at.iter().map(f64::to_string).collect();
+                format!("stress{}", times.join("-"))
+            }),
             Some(self.every).filter(|every| *every != 1).map(|every| format!("every{every}")),
         ];
         let words = self.scene.words().into_iter().chain(words).chain(self.step.words());
@@ -244,6 +251,10 @@ fn meshes(
         files += output.write_rows(&stem, &first.places())?.len();
     }
     files += draw_passages(&finished, output)?;
+    let pictured = finished.iter().filter(|run| options.fields && run.ending.is_finished());
+    for run in pictured {
+        files += draw_fields(run, options.every, &options.stress_at, output)?;
+    }
     Ok((files, finished.iter().map(|run| run.ending).collect()))
 }
 
@@ -299,6 +310,7 @@ fn groups_of(
     grid: &Grid,
 ) -> Result<Vec<Group>> {
     model.check_grid(grid)?;
+    check_fields(model, &options.stress_at, options.fields)?;
     match &**model {
         AnyModel::Bars(bars) => {
             check_has_contact(bars)?;
@@ -402,7 +414,7 @@ fn check_form(model: &Model, grid: &Grid) -> Result<(), Refusal> {
 
 /// The steps with their energies, and the stress at one time.
 fn recording(options: &Options, run: &Run) -> Recording {
-    let stress_time = options.stress_at.unwrap_or_else(|| stress_time(run));
+    let stress_time = options.stress_at.first().copied().unwrap_or_else(|| stress_time(run));
     // Standard output prints one line a run: no row is needed for it.
     let every = if options.output.stdout.is_some() { u64::MAX } else { options.every };
     let every = if options.every == 0 { 0 } else { every };

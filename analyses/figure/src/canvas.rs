@@ -17,6 +17,8 @@ use super::theme::{BLACK, Colour, HALO, PT, Shape, WHITE};
 
 /// Canvas units in a millimetre.
 const UNITS: f64 = 100.0;
+/// Width of the line that closes the seam between two polygons, mm.
+const SEAM: f64 = 0.06;
 /// Family name of the built-in font; the PDF finds it by this.
 const FAMILY: &str = "DejaVu Sans";
 /// What a viewer without it may take instead.
@@ -132,6 +134,18 @@ impl<'f> Canvas<'f> {
     pub(super) fn fill(&mut self, corners: &[Point], colour: Colour) {
         let style = style(colour, 0.0).filled();
         self.marks.draw(&Polygon::new(corners.iter().copied().map(spot).collect::<Vec<_>>(), style));
+    }
+
+    /// Fills a polygon up to its neighbours: with a thin line of its own colour, without which a viewer that smooths edges lets
+    /// the paper through between them.
+    pub(super) fn patch(&mut self, corners: &[Point], colour: Colour) {
+        let (colour, width) = (hex(colour), units(SEAM));
+        let points: Vec<String> = corners.iter().map(|p| format!("{},{}", units(p.0), units(p.1))).collect();
+        let _ = writeln!(
+            self.marks.text,
+            "<polygon fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"{width}\" points=\"{}\"/>",
+            points.join(" ")
+        );
     }
 
     /// Draws a marker of radius `radius` mm.

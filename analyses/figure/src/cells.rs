@@ -43,6 +43,7 @@ pub(super) fn colour(map: ColourMap, share: f64) -> Colour {
         ColourMap::Cividis => colorous::CIVIDIS.eval_continuous(share).as_tuple(),
         ColourMap::Batlow => between(&BATLOW, share),
         ColourMap::Grey => between(&[(0, 0, 0), (255, 255, 255)], share),
+        ColourMap::BlueRed => colorous::RED_BLUE.eval_continuous(1.0 - share).as_tuple(),
     }
 }
 
@@ -137,12 +138,16 @@ impl<'a> Cells<'a> {
     }
 
     fn colour(&self, i: usize, j: usize) -> Colour {
-        let value = self.values[j * (self.across.len() - 1) + i];
-        if self.range.scale == Scale::Log && value <= 0.0 {
-            return SHADE;
-        }
-        colour(self.map, self.range.position(value))
+        colour_of(self.values[j * (self.across.len() - 1) + i], self.map, self.range)
     }
+}
+
+/// The colour of a value on a bar over `range`.
+pub(super) fn colour_of(value: f64, map: ColourMap, range: Interval) -> Colour {
+    if range.scale == Scale::Log && value <= 0.0 {
+        return SHADE;
+    }
+    colour(map, range.position(value))
 }
 
 fn check(axis: &Axis, centres: &[f64]) -> Result<(), PlotError> {

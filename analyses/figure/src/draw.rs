@@ -10,6 +10,7 @@ use super::layout::{PlacedBar, PlacedPanel, layout};
 use super::legend::Legend;
 use super::model::{Figure, Layer, Naming};
 use super::names::{Name, Names, Series, is_series, label_of, place, right_end};
+use super::patches::Patches;
 use super::theme::{
     BLACK, CASING_STROKE, CURVE_STROKE, GAP, GREY, LABEL_SIZE, LEADER, MARKER, PT, SHADE, THIN_STROKE, WHITE,
     series_colour, series_dash, series_shape, series_stroke,
@@ -29,7 +30,9 @@ pub(super) struct ArrangedPanel<'a> {
 impl ArrangedPanel<'_> {
     fn shows_anything(&self) -> bool {
         let mut layers = self.placed.panel.layers.iter().zip(&self.traces);
-        layers.any(|(layer, trace)| matches!(layer, Layer::Cells { .. }) || !trace.is_empty())
+        layers.any(|(layer, trace)| {
+            matches!(layer, Layer::Cells { .. } | Layer::Patches { .. }) || !trace.is_empty()
+        })
     }
 
     fn has_homeless_series(&self) -> bool {
@@ -181,6 +184,11 @@ fn draw_layer(
             let place = (arranged.placed.panel, &arranged.placed.frame);
             return Cells::new(place, (x, y, values), (bar.bar.map, bar.interval))?.draw(canvas);
         }
+        Layer::Patches { polygons, values, outlines } => {
+            let bar = bar.ok_or(PlotError::NoColourBar)?;
+            let colours = (bar.bar.map, bar.interval);
+            return Patches::new(&arranged.placed.frame, (polygons, values, outlines), colours)?.draw(canvas);
+        }
         Layer::Contour { .. } => {
             let gap = arranged.names.placed.iter().find(|name| name.layer == index);
             draw_contour(canvas, trace, gap.and_then(|name| name.gap));
@@ -223,7 +231,7 @@ pub(super) fn pen_of(layer: &Layer) -> Option<Pen> {
         }
         Layer::Exact { .. } | Layer::Contour { .. } => Some(Pen::solid(BLACK, THIN_STROKE)),
         Layer::Rule { .. } => Some(Pen { colour: GREY, width: THIN_STROKE, dash: RULE_DASH }),
-        Layer::Shade { .. } | Layer::Cells { .. } => None,
+        Layer::Shade { .. } | Layer::Cells { .. } | Layer::Patches { .. } => None,
     }
 }
 

@@ -48,6 +48,14 @@ pub enum PlotError {
         /// Number of values given.
         values: usize,
     },
+    /// The number of values is not that of the polygons.
+    #[error("{polygons} polygons need as many values, not {values}")]
+    PatchCount {
+        /// Number of polygons.
+        polygons: usize,
+        /// Number of values given.
+        values: usize,
+    },
     /// The cell centres of a map are too few or do not increase.
     #[error("the cell centres along `{label}` must be at least two, finite and increasing")]
     CellCentres {

@@ -31,16 +31,7 @@ impl Figure {
     /// # Errors
     /// As [`Figure::svg`], or [`PlotError::Png`].
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
-        let tree = Tree::from_str(&self.draw(Form::Svg)?, &Options::default())?;
-        let scale = PNG_DPI as f32 / CSS_DPI;
-        // At most a few thousand pixels: the casts only drop the fraction.
-        let pixels_of = |length: f32| (length * scale).round() as u32;
-        let (width, height) = (pixels_of(tree.size().width()), pixels_of(tree.size().height()));
-        let mut pixels = Pixmap::new(width, height).ok_or(PlotError::Pixels)?;
-        // The last row and column may be covered in part only.
-        pixels.fill(Color::WHITE);
-        resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
-        encode(&pixels, Some(PNG_DPI))
+        raster(&self.draw(Form::Svg)?)
     }
 
     /// The same drawing as PDF of the printed size, with selectable text and the fonts embedded.
@@ -56,6 +47,20 @@ impl Figure {
         svg2pdf::to_pdf(&tree, svg2pdf::ConversionOptions::default(), page)
             .map_err(|error| PlotError::Pdf(error.to_string()))
     }
+}
+
+/// An SVG without text as PNG.
+pub(super) fn raster(svg: &str) -> Result<Vec<u8>, PlotError> {
+    let tree = Tree::from_str(svg, &Options::default())?;
+    let scale = PNG_DPI as f32 / CSS_DPI;
+    // At most a few thousand pixels: the casts only drop the fraction.
+    let pixels_of = |length: f32| (length * scale).round() as u32;
+    let (width, height) = (pixels_of(tree.size().width()), pixels_of(tree.size().height()));
+    let mut pixels = Pixmap::new(width, height).ok_or(PlotError::Pixels)?;
+    // The last row and column may be covered in part only.
+    pixels.fill(Color::WHITE);
+    resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
+    encode(&pixels, Some(PNG_DPI))
 }
 
 /// Opaque pixels as PNG, with the resolution at which they have their printed size.

@@ -30,6 +30,19 @@ impl Interval {
     }
 }
 
+/// The axes of a frame of this width and height with one length for a unit of both: one of them reaches farther, as far on
+/// both sides.
+pub(super) fn equalised((x, y): (Interval, Interval), (width, height): (f64, f64)) -> (Interval, Interval) {
+    let extent = |of: Interval| coordinate(of.scale, of.high) - coordinate(of.scale, of.low);
+    let unit = (width / extent(x)).min(height / extent(y));
+    let widened = |of: Interval, length: f64| {
+        let beyond = (0.5 * (length / unit - extent(of))).max(0.0);
+        let at = |end: f64, by: f64| value_at(of.scale, coordinate(of.scale, end) + by);
+        Interval { low: at(of.low, -beyond), high: at(of.high, beyond), ..of }
+    };
+    (widened(x, width), widened(y, height))
+}
+
 /// The coordinate in which an axis is evenly spaced.
 pub(super) fn coordinate(scale: Scale, value: f64) -> f64 {
     match scale {
@@ -159,6 +172,10 @@ pub(super) fn intervals(panel: &Panel) -> Result<(Interval, Interval), PlotError
             Layer::Cells { x, y, .. } => {
                 tight_x.extend(x);
                 tight_y.extend(y);
+            }
+            Layer::Patches { polygons, .. } => {
+                airy_x.extend(polygons.iter().flatten().map(|point| point.0));
+                airy_y.extend(polygons.iter().flatten().map(|point| point.1));
             }
             Layer::Contour { lines, .. } => {
                 tight_x.extend(lines.iter().flatten().map(|point| point.0));

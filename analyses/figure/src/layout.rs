@@ -3,7 +3,7 @@
 use super::axes::{power_note, title_rise};
 use super::error::PlotError;
 use super::font::Fonts;
-use super::frame::{Frame, Interval, intervals, settle};
+use super::frame::{Frame, Interval, equalised, intervals, settle};
 use super::geometry::Rect;
 use super::labels::{horizontal_ticks, vertical_ticks, widest};
 use super::model::{Axis, ColourBar, Figure, Layer, Panel, Scale};
@@ -245,8 +245,13 @@ impl Plan<'_> {
         Ok(margins)
     }
 
+    /// The axes of a panel with a frame of this size.
+    fn axes(&self, index: usize, size: (f64, f64)) -> (Interval, Interval) {
+        if self.figure.equal { equalised(self.axes[index], size) } else { self.axes[index] }
+    }
+
     fn ticks(&self, index: usize, size: (f64, f64)) -> Result<(Ticks, Ticks), PlotError> {
-        let (panel, (x, y)) = (&self.figure.panels[index], self.axes[index]);
+        let (panel, (x, y)) = (&self.figure.panels[index], self.axes(index, size));
         Ok((horizontal_ticks(&panel.x, x, size.0, self.fonts)?, vertical_ticks(&panel.y, y, size.1)))
     }
 
@@ -271,7 +276,7 @@ impl Plan<'_> {
         size: (f64, f64),
         margins: &Margins,
     ) -> Result<PlacedPanel<'a>, PlotError> {
-        let (panel, (x, y)) = (&figure.panels[index], self.axes[index]);
+        let (panel, (x, y)) = (&figure.panels[index], self.axes(index, size));
         let (row, column) = (index / self.columns, index % self.columns);
         let left = margins.left[..=column].iter().sum::<f64>() + column as f64 * (size.0 + margins.right);
         let top =
@@ -324,7 +329,7 @@ fn bar_interval(figure: &Figure) -> Result<Option<(Interval, [bool; 2])>, PlotEr
     let layers = figure.panels.iter().flat_map(|panel| &panel.layers);
     let values: Vec<f64> = layers
         .filter_map(|layer| match layer {
-            Layer::Cells { values, .. } => Some(values),
+            Layer::Cells { values, .. } | Layer::Patches { values, .. } => Some(values),
             _ => None,
         })
         .flatten()

@@ -23,7 +23,7 @@
 //! labels      which ticks of an axis are labelled
 //! layout      places on the page: frame, ticks, axes' labels, legend, colour bar
 //! names       beside which line a name stands (search, geometry)
-//! draw        layers, axes and names as elements, from the bottom up (trace, cells, isolines)
+//! draw        layers, axes and names as elements, from the bottom up (trace, cells, patches, isolines)
 //! marks       the page as a backend of plotters: elements become marks of SVG; canvas adds glyphs and images
 //! export      the SVG as it is, as PNG and as PDF;  tex  the same figure for pgfplots
 //! theme, font, markup   colours, sizes, letters
@@ -59,6 +59,7 @@ mod marks;
 mod markup;
 mod model;
 mod names;
+mod patches;
 mod search;
 mod tex;
 mod tex_label;

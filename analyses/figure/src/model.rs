@@ -56,6 +56,8 @@ pub struct Figure {
     pub naming: Naming,
     /// Further entries of the legend, by layers without points: what a marker or a shade stands for.
     pub key: Vec<Layer>,
+    /// Whether a unit is as long on the vertical axes as on the horizontal ones: what is too short is made longer.
+    pub equal: bool,
     /// Whether several panels are tagged (a), (b), ...
     pub tags: bool,
     /// How letters are written into an SVG.
@@ -75,6 +77,7 @@ impl Figure {
             colour_bar: None,
             naming: Naming::Auto,
             key: Vec::new(),
+            equal: false,
             tags: false,
             lettering: Lettering::default(),
         }
@@ -89,6 +92,8 @@ impl Figure {
         const STACK: usize = 3;
         self.width = width;
         match width {
+            // High pictures stand side by side.
+            Width::Single if self.equal && self.aspect > 1.0 => (),
             Width::Single if self.panels.len() <= STACK => self.columns = 1,
             Width::Single => self.columns = self.columns.min(2),
             Width::Double if self.columns == 1 && self.panels.len() > 1 => self.columns = 2,
@@ -183,6 +188,8 @@ pub enum ColourMap {
     Batlow,
     /// Black to white, for printing without colour.
     Grey,
+    /// Blue over white to red, for values of two signs on a bar with 0 in its middle; RdBu of ColorBrewer, colour-blind safe.
+    BlueRed,
 }
 
 /// The scale by which the colours of a map are read.
@@ -310,6 +317,15 @@ pub enum Layer {
         /// like a [`Layer::Shade`].
         values: Vec<f64>,
     },
+    /// Coloured polygons, such as the elements of a mesh, with lines over them.
+    Patches {
+        /// Corners of each polygon.
+        polygons: Vec<Vec<DataPoint>>,
+        /// The value of each, coloured as in [`Layer::Cells`].
+        values: Vec<f64>,
+        /// Thin black lines.
+        outlines: Vec<Vec<DataPoint>>,
+    },
     /// A line of constant value, perhaps in several pieces, named on the longest.
     Contour {
         /// Pieces, each joined in order.
@@ -347,7 +363,7 @@ impl Layer {
             | Self::Markers { points, .. }
             | Self::Exact { points, .. }
             | Self::Shade { points, .. } => points,
-            Self::Rule { .. } | Self::Cells { .. } | Self::Contour { .. } => &[],
+            Self::Rule { .. } | Self::Cells { .. } | Self::Patches { .. } | Self::Contour { .. } => &[],
         }
     }
 
@@ -357,7 +373,11 @@ impl Layer {
             Self::Curve { source, .. } | Self::Markers { source, .. } | Self::Shade { source, .. } => {
                 source.as_ref()
             }
-            Self::Exact { .. } | Self::Rule { .. } | Self::Cells { .. } | Self::Contour { .. } => None,
+            Self::Exact { .. }
+            | Self::Rule { .. }
+            | Self::Cells { .. }
+            | Self::Patches { .. }
+            | Self::Contour { .. } => None,
         }
     }
 }

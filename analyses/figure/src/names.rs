@@ -42,7 +42,7 @@ pub(super) fn label_of(layer: &Layer) -> Option<&str> {
         | Layer::Rule { label, .. }
         | Layer::Shade { label, .. }
         | Layer::Contour { label, .. } => label.as_deref(),
-        Layer::Cells { .. } => None,
+        Layer::Cells { .. } | Layer::Patches { .. } => None,
     }
 }
 

@@ -195,3 +195,72 @@ fn labels_of_a_short_axis_do_not_lie_on_each_other() {
     assert!(shown("10−4") > 0 && shown("10−3") > 0, "{svg}");
     assert_eq!(shown("5·10−5") + shown("2·10−4") + shown("5·10−4"), 0);
 }
+
+/// Two unit squares beside each other.
+fn squares() -> Figure {
+    let square = |x: f64| vec![(x, 0.0), (x + 1.0, 0.0), (x + 1.0, 1.0), (x, 1.0)];
+    let layer = Layer::Patches {
+        polygons: vec![square(0.0), square(1.0)],
+        values: vec![-3.0, 3.0],
+        outlines: vec![square(0.0)],
+    };
+    let panel = Panel::new(Axis::linear("*x* [m]"), Axis::linear("*y* [m]"), vec![layer]);
+    let mut figure = Figure::new(Width::Single, vec![panel]);
+    figure.colour_bar = Some(ColourBar { axis: Axis::linear("*σ* [Pa]"), map: ColourMap::BlueRed });
+    figure.equal = true;
+    figure
+}
+
+/// The points of each mark with this fill, hundredths of a millimetre.
+fn corners(svg: &str, fill: &str) -> Vec<(f64, f64)> {
+    let marks = svg.lines().filter(|line| line.contains(fill) && line.contains("stroke-width=\"6\""));
+    let points = marks.filter_map(|line| Some(line.split_once("points=\"")?.1.split_once('"')?.0));
+    let point = |text: &str| {
+        let (x, y) = text.split_once(',').expect("a point");
+        (x.parse().expect("a number"), y.parse().expect("a number"))
+    };
+    points.flat_map(|text| text.split_whitespace().map(point).collect::<Vec<_>>()).collect()
+}
+
+#[test]
+fn patches_have_the_colours_of_the_ends_and_equal_sides() {
+    for aspect in [0.2, 0.7, 2.0] {
+        let svg = Figure { aspect, ..squares() }.svg().expect("valid figure");
+        assert_eq!(svg.matches("stroke-width=\"6\"").count(), 2);
+        // The values are the ends of the bar.
+        for share in [0.0, 1.0] {
+            let (red, green, blue) = cells::colour(ColourMap::BlueRed, share);
+            let fill = format!("fill=\"#{red:02x}{green:02x}{blue:02x}\"");
+            let corners = corners(&svg, &fill);
+            assert_eq!(corners.len(), 4, "{fill}");
+            let extent = |of: fn(&(f64, f64)) -> f64| {
+                let values = corners.iter().map(of);
+                values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
+            };
+            // Places are rounded to a unit at both ends.
+            assert!(
+                (extent(|p| p.0) - extent(|p| p.1)).abs() <= 2.0 && extent(|p| p.0) > 500.0,
+                "{corners:?}"
+            );
+        }
+    }
+    let mut figure = squares();
+    let Layer::Patches { values, .. } = &mut figure.panels[0].layers[0] else { panic!("patches") };
+    values.pop();
+    assert!(matches!(figure.svg(), Err(PlotError::PatchCount { polygons: 2, values: 1 })));
+}
+
+#[test]
+fn patches_are_drawn_in_every_format() {
+    let tex = squares().tex("stress").expect("valid figure");
+    assert_eq!(tex.images.len(), 1);
+    assert!(tex.text.contains("{stress-cells1}") && tex.text.contains("colormap={bluered}"));
+    assert!(squares().pdf().expect("valid figure").starts_with(b"%PDF"));
+    // Many are an image, as large as they would be alone.
+    let mut many = squares();
+    let Layer::Patches { polygons, values, .. } = &mut many.panels[0].layers[0] else { panic!("patches") };
+    *polygons = polygons.iter().cycle().take(20_001).cloned().collect();
+    values.resize(20_001, 3.0);
+    let svg = many.svg().expect("valid figure");
+    assert!(svg.contains("<image") && !svg.contains("stroke-width=\"6\""));
+}

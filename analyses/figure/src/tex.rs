@@ -14,6 +14,7 @@ use super::frame::{Frame, Interval};
 use super::layout::PlacedBar;
 use super::model::{At, ColourMap, DataPoint, Figure, Layer, Scale, Side, Source};
 use super::names::{Name, label_of};
+use super::patches::Patches;
 use super::tex_label::tex_label;
 use super::theme::{Colour, MARKER, SHADE, Shape, series_colour, series_shape};
 use super::ticks::Ticks;
@@ -59,7 +60,7 @@ impl Figure {
         let page = self.arrange(&fonts)?;
         let (mut tex, mut images) = (HEAD.to_owned(), Vec::new());
         for (index, arranged) in page.panels.iter().enumerate() {
-            images.extend(cells(&mut tex, &page, arranged, &format!("{stem}-cells{}", index + 1))?);
+            images.extend(cells(&mut tex, &page, (arranged, &fonts), &format!("{stem}-cells{}", index + 1))?);
             panel(&mut tex, &page, index)?;
             for name in &arranged.names.placed {
                 draw_name(&mut tex, &page, arranged, name)?;
@@ -74,16 +75,26 @@ impl Figure {
 fn cells(
     tex: &mut String,
     page: &Page,
-    arranged: &ArrangedPanel,
+    (arranged, fonts): (&ArrangedPanel, &Fonts),
     name: &str,
 ) -> Result<Option<(String, Vec<u8>)>, PlotError> {
     let (panel, frame) = (arranged.placed.panel, &arranged.placed.frame);
-    let cells = panel.layers.iter().find_map(|layer| match layer {
-        Layer::Cells { x, y, values } => Some((x.as_slice(), y.as_slice(), values.as_slice())),
+    let Some(bar) = &page.bar else { return Ok(None) };
+    let colours = (bar.bar.map, bar.interval);
+    let image = match panel
+        .layers
+        .iter()
+        .find(|layer| matches!(layer, Layer::Cells { .. } | Layer::Patches { .. }))
+    {
+        Some(Layer::Cells { x, y, values }) => {
+            Cells::new((panel, frame), (x, y, values), colours)?.image()?
+        }
+        Some(Layer::Patches { polygons, values, outlines }) => {
+            let patches = Patches::new(frame, (polygons, values, outlines), colours)?;
+            Some((patches.image(fonts)?, frame.rect))
+        }
         _ => None,
-    });
-    let (Some(cells), Some(bar)) = (cells, &page.bar) else { return Ok(None) };
-    let image = Cells::new((panel, frame), cells, (bar.bar.map, bar.interval))?.image()?;
+    };
     Ok(image.map(|(png, place)| {
         let _ = writeln!(
             tex,
@@ -190,11 +201,12 @@ fn colour_bar(tex: &mut String, placed: &PlacedBar, visible: bool) -> Result<(),
         ColourMap::Viridis => " name=viridis".to_owned(),
         ColourMap::Cividis => " name=cividis".to_owned(),
         ColourMap::Grey => " name=blackwhite".to_owned(),
-        // Unknown to pgfplots: by its colours.
-        ColourMap::Batlow => {
-            let shares = (0..=16).map(|step| colour(ColourMap::Batlow, f64::from(step) / 16.0));
+        // Unknown to pgfplots: by their colours.
+        map @ (ColourMap::Batlow | ColourMap::BlueRed) => {
+            let shares = (0..=16).map(|step| colour(map, f64::from(step) / 16.0));
             let colours: Vec<String> = shares.map(|(r, g, b)| format!("rgb255=({r},{g},{b})")).collect();
-            format!("={{batlow}}{{{}}}", colours.join(" "))
+            let name = if map == ColourMap::Batlow { "batlow" } else { "bluered" };
+            format!("={{{name}}}{{{}}}", colours.join(" "))
         }
     };
     let (low, high) = (of(placed.interval.low), of(placed.interval.high));
@@ -233,7 +245,7 @@ fn draw_layer(tex: &mut String, layer: &Layer, frame: &Frame) {
     };
     match layer {
         // Placed as an image before the axes.
-        Layer::Cells { .. } => (),
+        Layer::Cells { .. } | Layer::Patches { .. } => (),
         Layer::Curve { points, .. } | Layer::Markers { points, .. } => plot(points, ""),
         Layer::Exact { points, .. } => plot(points, ""),
         Layer::Contour { lines, .. } => lines.iter().for_each(|line| plot(line, "")),

@@ -70,7 +70,7 @@ pub(super) fn trace(layer: &Layer, frame: &Frame) -> Result<Trace, PlotError> {
                 ..Trace::default()
             })
         }
-        Layer::Cells { .. } => Ok(Trace::default()),
+        Layer::Cells { .. } | Layer::Patches { .. } => Ok(Trace::default()),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The charts of the tools, made of records only.
 
 mod curve;
+pub mod fields;
 mod forces;
 pub mod impacts;
 mod levels;

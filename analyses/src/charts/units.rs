@@ -99,6 +99,8 @@ fn scale_layer(layer: &mut Layer, (x, y): (f64, f64), step: f64, levels: &mut im
             centres.iter_mut().for_each(|value| *value *= x);
             values.iter_mut().for_each(|value| *value *= step);
         }
+        // Lengths and stresses are in SI units.
+        Layer::Patches { .. } => (),
         Layer::Contour { lines, label } => {
             lines.iter_mut().for_each(all);
             *label = levels.next().map(three_digits);

@@ -317,7 +317,7 @@ fn label_of(layer: &mut Layer) -> Option<&mut String> {
         | Layer::Rule { label, .. }
         | Layer::Shade { label, .. }
         | Layer::Contour { label, .. } => label.as_mut(),
-        Layer::Cells { .. } => None,
+        Layer::Cells { .. } | Layer::Patches { .. } => None,
     }
 }
 
@@ -340,8 +340,8 @@ const OVERLAID: usize = 8;
 /// All panels of a figure in one, on the axes of the first: each curve by the title of its panel and its name, in the
 /// colour of its panel; what is shaded in one panel only says nothing of the others.
 fn overlaid(mut figure: Figure) -> Result<Figure, Refusal> {
-    if figure.panels.iter().flat_map(|panel| &panel.layers).any(|layer| matches!(layer, Layer::Cells { .. }))
-    {
+    let hides = |layer: &Layer| matches!(layer, Layer::Cells { .. } | Layer::Patches { .. });
+    if figure.panels.iter().flat_map(|panel| &panel.layers).any(hides) {
         return Err(Refusal::new("--overlay", "maps", "curves, which do not hide one another"));
     }
     let wider = |one: Option<(f64, f64)>, other: Option<(f64, f64)>| {

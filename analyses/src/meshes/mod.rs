@@ -1,11 +1,17 @@
 //! The studies of meshes: what contact costs them, what proves it, and what rules of thumb make of it.
 
+mod hertz;
 pub mod impacts;
+mod plane;
 mod rules;
 mod scenes;
+mod surface;
 
+pub use hertz::Hertz;
+pub use plane::{displaced, outlines, polygons};
 pub use rules::Rules;
 pub use scenes::{Blocks, disc};
+pub use surface::{Direction, Spot, direction, spots};
 
 use crate::error::{Error, Refusal, Result};
 use crate::record::{MeshRow, Number};

@@ -10,6 +10,7 @@
 
 mod columns;
 mod cost_rows;
+mod field_rows;
 mod figure_record;
 mod impact_rows;
 mod mesh_rows;
@@ -25,6 +26,7 @@ mod table;
 mod verify_rows;
 
 pub use cost_rows::{CostRow, Price};
+pub use field_rows::{ElementRow, SurfaceRow};
 pub use figure_record::{Check, DataFile, FigureRecord};
 pub use impact_rows::{HistoryRow, ImpactRow, StressRow};
 pub use mesh_rows::MeshRow;
