@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 use analyses::cli::{
     Analysis, FinishedRun, Format, Frame, Intent, Kept, Output, OutputOptions, PlannedPassage, PlannedRun,
-    Progress, SceneOptions, StepOptions, Verdict, axis_word, check_fields, check_memory, check_passages,
-    check_stems, checked_grid, draw_fields, draw_impacts, draw_passages, execute, execute_passages, narrate,
-    penalties_of, print_impacts, question, require_memory, write_impacts,
+    Progress, SceneOptions, StepOptions, Verdict, axis_word, check_fields, check_instants, check_memory,
+    check_passages, check_stems, checked_grid, draw_fields, draw_impacts, draw_passages, execute,
+    execute_passages, narrate, penalties_of, print_impacts, question, require_memory, write_impacts,
 };
 use analyses::error::{Refusal, Result};
 use analyses::record::ImpactRow;
@@ -89,7 +89,8 @@ const EXAMPLES: &str = "Examples:
   contact-impact my-bars.toml --mass lumped --scheme predictor-corrector --ratio 0.25 --stdout csv
   contact-impact bouncing-bar --mass lumped --duration 16 --every 10 --format svg,csv
   contact-impact plane-impact.toml --scheme predictor-corrector,lagrange --ratio 0.25 --fraction 0.9
-  contact-impact unlike-blocks.toml --beta-s 1e3 --duration 1e-4 --every 10 --format csv,vtu";
+  contact-impact unlike-blocks.toml --beta-s 1e3 --duration 1e-4 --every 10 --format csv,vtu
+  contact-impact sphere-on-plane.toml --beta-s 10 --scheme park --every 10 --fields";
 
 fn main() -> ExitCode {
     narrate::<Options>()
@@ -141,14 +142,19 @@ impl Analysis for Options {
         };
         let left_out =
             "left out: eigenvectors; mass solves where the mass is lumped; exact solutions a scene has not";
-        Ok(groups.iter().flat_map(intents).chain([Intent::of_all(left_out)]).collect())
+        let again = "fields: each mesh is stepped a second time, to the instants that its rows tell";
+        let fields = self.fields.then(|| Intent::of_all(again));
+        Ok(groups.iter().flat_map(intents).chain([Intent::of_all(left_out)]).chain(fields).collect())
     }
 
     fn frames(&self, groups: &Self::Plan) -> Vec<Frame> {
         let named = |group: &Group, quantity: &str| format!("{}-{quantity}", group.scene());
         let force = |group: &Group| Frame::new(named(group, "force"), Scale::Linear, Scale::Linear);
         let gap = |group: &Group| Frame::new(named(group, "gap"), Scale::Linear, Scale::Log);
-        groups.iter().flat_map(|group| [force(group), gap(group)]).collect()
+        let histories = groups.iter().flat_map(|group| [force(group), gap(group)]);
+        let meshes = groups.iter().filter(|group| self.fields && matches!(group, Group::Mesh(_)));
+        let field = |stem: String| Frame::new(stem + "-stress", Scale::Linear, Scale::Linear);
+        histories.chain(meshes.flat_map(Group::stems).map(field)).collect()
     }
 
     fn compute(&self, groups: Self::Plan, output: &Output) -> Result<(Found, usize)> {
@@ -347,7 +353,9 @@ fn groups_of(
                     (AnyModel::Mesh(_), Some(encounter)) => {
                         let paced = (&options.step, options.duration);
                         let run = PlannedPassage::new((scene, model), encounter, scheme, point, paced);
-                        passages.push(run?);
+                        let run = run?;
+                        check_instants(&run, &options.stress_at)?;
+                        passages.push(run);
                     }
                     (AnyModel::Mesh(_), None) => (),
                 }

@@ -177,7 +177,11 @@ fn vertical_axis(
     if let Some(note) = power_note(ticks) {
         let line = canvas.fonts().line(&note, TICK_SIZE)?;
         let anchor = Anchor { x: 0.0, y: 1.0 };
-        canvas.text(&plain(&line, (rect.left, rect.top - GAP), anchor));
+        // On the right the number of a tick that ends the axis stands in its way.
+        let ends = edge == Edge::Right
+            && ticks.major.iter().any(|(value, _)| at(*value) - rect.top < text_height(TICK_SIZE) / 2.0);
+        let rise = if ends { text_height(TICK_SIZE) / 2.0 } else { GAP };
+        canvas.text(&plain(&line, (rect.left, rect.top - rise), anchor));
     }
     let line = canvas.fonts().line(label, size)?;
     // Reading upwards, the baseline is on the right of the text.

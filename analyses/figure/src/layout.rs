@@ -91,6 +91,9 @@ const BARE_BOTTOM: f64 = MAJOR_TICK + GAP;
 /// Height of all frames of a column together, mm: with titles, labels and a legend they fit on a page with its caption.
 const MOST_HEIGHT: f64 = 140.0;
 
+/// How often the size of a frame is found anew.
+const MOST_TURNS: usize = 6;
+
 /// Height over width of a frame: what can be drawn.
 const ASPECTS: std::ops::RangeInclusive<f64> = 0.05..=20.0;
 
@@ -180,14 +183,15 @@ fn labelled(figure: &Figure, axes: &[(Interval, Interval)], columns: usize) -> V
 impl Plan<'_> {
     /// Size of every frame and the margins around them.
     ///
-    /// Ticks need the frame's size, margins need the tick labels, the frame needs the margins: twice
-    /// around settles it.
+    /// Ticks need the frame's size, margins need the tick labels, the frame needs the margins: twice around settles most
+    /// figures, a few times more those whose ranges change with the frame.
     fn fit(&self, bar: Option<(&ColourBar, Interval)>) -> Result<((f64, f64), Margins), PlotError> {
         let (width, columns) = (self.figure.width.millimetres(), self.columns);
         let share = width / columns as f64;
         let mut size = (share, share * self.figure.aspect);
         let mut margins = Margins::default();
-        for _ in 0..2 {
+        for turn in 0..MOST_TURNS {
+            let before = size;
             margins = self.margins(size)?;
             let bar_width = match bar {
                 Some((bar, interval)) => {
@@ -202,6 +206,9 @@ impl Plan<'_> {
                 return Err(PlotError::TooNarrow { columns, width });
             }
             size = (frame, (frame * self.figure.aspect).min(MOST_HEIGHT / self.rows as f64));
+            if turn > 0 && (size == before || !self.figure.equal) {
+                break;
+            }
         }
         Ok((size, margins))
     }

@@ -93,7 +93,7 @@ impl Figure {
         self.width = width;
         match width {
             // High pictures stand side by side.
-            Width::Single if self.equal && self.aspect > 1.0 => (),
+            Width::Single if self.equal && self.aspect > 1.5 => self.columns = self.columns.min(2),
             Width::Single if self.panels.len() <= STACK => self.columns = 1,
             Width::Single => self.columns = self.columns.min(2),
             Width::Double if self.columns == 1 && self.panels.len() > 1 => self.columns = 2,

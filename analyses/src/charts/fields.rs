@@ -65,9 +65,13 @@ fn label(direction: Direction) -> String {
     }
 }
 
-/// The time of a step carries the rounding of its size.
+/// Three digits, as short as it can be said above a narrow panel.
 fn at(time: f64) -> String {
-    format!("*t* = {} s", number(format!("{time:.3e}").parse().unwrap_or(time)))
+    let units = [("ns", 1e-9), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0)];
+    let unit = units.into_iter().rev().find(|(_, unit)| time >= *unit);
+    let (name, unit) = unit.unwrap_or(if time == 0.0 { ("s", 1.0) } else { ("ns", 1e-9) });
+    // The time of a step carries the rounding of its size.
+    format!("*t* = {} {name}", number(format!("{:.2e}", time / unit).parse().unwrap_or(time / unit)))
 }
 
 /// The exact pressure at one of the instants.
@@ -119,4 +123,39 @@ pub fn surfaces(rows: &[SurfaceRow], dimension: usize, stem: &str, reference: Op
     figure.columns = 2;
     figure.naming = Naming::Legend;
     figure
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn instant(stress: [f64; 2]) -> Instant {
+        let square = |x: f64| vec![(x, 0.0), (x + 1.0, 0.0), (x + 1.0, 1.0), (x, 1.0)];
+        Instant {
+            time: 3.576e-5,
+            elements: vec![square(0.0), square(1.0)],
+            stress: stress.into(),
+            outlines: vec![],
+        }
+    }
+
+    #[test]
+    fn colours_reach_to_the_extreme_stress_of_all_instants() {
+        let instants = [instant([1.0, -3.0]), instant([2.0, -1.0])];
+        let figure = stresses(&instants, Direction::Normal([0.0, 1.0]), 1.0);
+        let bar = figure.colour_bar.as_ref().expect("a bar");
+        assert_eq!((bar.axis.range, bar.map), (Some((-3.0, 3.0)), ColourMap::BlueRed));
+        let polygons = |panel: &Panel| match &panel.layers[0] {
+            Layer::Patches { polygons, .. } => polygons.len(),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(figure.panels.iter().map(polygons).collect::<Vec<_>>(), [2, 2]);
+        assert_eq!(figure.panels[0].title.as_deref(), Some("*t* = 35.8 µs"));
+        assert_eq!(figure.panels[0].x.label, "*x* + *u*_{x} [m]");
+        assert_eq!(figure.panels[0].x.range, figure.panels[1].x.range);
+        let figure = stresses(&[instant([1.0, 3.0])], Direction::None, 200.0);
+        let bar = figure.colour_bar.as_ref().expect("a bar");
+        assert_eq!((bar.axis.range, bar.map), (Some((0.0, 3.0)), ColourMap::Viridis));
+        assert_eq!(figure.panels[0].y.label, "*y* + 200 *u*_{y} [m]");
+    }
 }

@@ -1,6 +1,6 @@
 //! The pictures of a mesh: a run is stepped again to a few instants that its rows tell, so that no states are held meanwhile.
 
-use super::{FinishedPassage, Output};
+use super::{FinishedPassage, Output, PlannedPassage};
 use crate::charts::fields::{Instant, Reference, stresses, surfaces};
 use crate::error::{Error, Refusal, Result};
 use crate::meshes::{Direction, Hertz, Spot, direction, displaced, outlines, polygons, spots};
@@ -13,7 +13,7 @@ use bipenalty::stability::AnyModel;
 /// Panels of a picture.
 const MOST: usize = 6;
 
-/// Refuses pictures of what has no mesh, of more instants than panels, and times that are none.
+/// Refuses pictures of what has no mesh, and more instants than panels.
 ///
 /// # Errors
 /// Names the scene, or the times.
@@ -28,9 +28,18 @@ pub fn check_fields(model: &AnyModel, instants: &[f64], wanted: bool) -> Result<
         let value = format!("{} times with scene {}", instants.len(), model.name());
         return Err(Refusal::new("--stress-at", value, format!("at most {allowed}")));
     }
-    match instants.iter().find(|time| !(**time >= 0.0 && time.is_finite())) {
-        Some(time) if has_mesh => Err(Refusal::new("--stress-at", time, "a finite time (s), 0 or later")),
-        _ => Ok(()),
+    Ok(())
+}
+
+/// Refuses instants beyond the run.
+///
+/// # Errors
+/// Names the first of them.
+pub fn check_instants(planned: &PlannedPassage, instants: &[f64]) -> Result<(), Refusal> {
+    let end = planned.passage.steps() as f64 * planned.passage.time_step();
+    match instants.iter().find(|time| !(0.0..=end).contains(*time)) {
+        Some(time) => Err(Refusal::new("--stress-at", time, format!("a time (s) from 0 to {end:e}"))),
+        None => Ok(()),
     }
 }
 
@@ -42,7 +51,7 @@ pub fn check_fields(model: &AnyModel, instants: &[f64], wanted: bool) -> Result<
 pub fn draw_fields(run: &FinishedPassage, every: u64, at: &[f64], output: &Output) -> Result<usize> {
     let AnyModel::Mesh(model) = &*run.planned.model else { return Ok(0) };
     let Some((elements, places)) = model.mesh().zip(model.places()) else { return Ok(0) };
-    if !output.wants_figures() {
+    if output.to_stdout() {
         return Ok(0);
     }
     let gaps = run.planned.passage.encounter().pencil().gaps();

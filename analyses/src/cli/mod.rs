@@ -31,7 +31,7 @@ mod verification;
 
 pub use answers::{governing_answer, point_answers};
 pub use arguments::arguments;
-pub use fields::{check_fields, draw_fields};
+pub use fields::{check_fields, check_instants, draw_fields};
 pub use forces::{ForceOptions, ForcePlan};
 pub use frames::Frame;
 pub use impact_files::{draw_impacts, draw_passages, write_impacts};

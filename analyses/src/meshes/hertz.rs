@@ -111,3 +111,51 @@ fn angle(a: &Coordinates, at: &Coordinates, b: &Coordinates) -> f64 {
     let cosine = a.iter().zip(&b).map(|(x, y)| x * y).sum::<f64>() / (norm(&a) * norm(&b));
     cosine.clamp(-1.0, 1.0).acos()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bipenalty::fem::MassMatrix;
+    use bipenalty::stability::AnyScene;
+
+    fn of(scene: &str) -> Hertz {
+        let path = format!("{}/scenes/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
+        let scene = AnyScene::load(&path).expect("a scene");
+        let AnyScene::Mesh(scene) = scene else { panic!("a mesh") };
+        let assembled = scene.assemble(MassMatrix::LUMPED).expect("matrices");
+        let places: Vec<Place> = assembled.contacts.iter().map(|contact| contact.place.clone()).collect();
+        Hertz::of(&assembled.elements, &places, &assembled.gaps()).expect("a contact of Hertz")
+    }
+
+    /// A quarter of a steel sphere of 10 mm on something rigid; p0 by Johnson's (4.24), which has no a.
+    #[test]
+    fn a_sphere_has_the_pressure_of_johnson() {
+        let hertz = of("sphere-on-plane");
+        let modulus = 210e9 / (1.0 - 0.09);
+        // The mesh has the digits of its file; its facets at the apex are flat: h/R = 0.014.
+        assert!((hertz.radius / 0.01 - 1.0).abs() < 1e-6, "{}", hertz.radius);
+        assert!((hertz.share / 0.25 - 1.0).abs() < 0.014, "{}", hertz.share);
+        assert!((hertz.modulus / modulus - 1.0).abs() < 1e-14, "{}", hertz.modulus);
+        assert_eq!(hertz.thickness, None);
+        let force: f64 = 9630.0;
+        let (a, p0) = hertz.under(force);
+        let whole = force / hertz.share;
+        let johnson = (6.0 * whole * hertz.modulus.powi(2) / (PI.powi(3) * hertz.radius.powi(2))).cbrt();
+        assert!((p0 / johnson - 1.0).abs() < 1e-14, "{p0} {johnson}");
+        // 2 pi p0 a^2/3 is the force.
+        assert!((TAU * p0 * a * a / 3.0 / whole - 1.0).abs() < 1e-14);
+    }
+
+    /// A steel disc of 50 mm on aluminium; p0 by Johnson's (4.45), and the force pi p0 a/2.
+    #[test]
+    fn a_disc_has_the_pressure_of_johnson() {
+        let hertz = of("disc-on-plane");
+        let modulus = 1.0 / ((1.0 - 0.09) / 210e9 + (1.0 - 0.33 * 0.33) / 70e9);
+        assert!((hertz.radius / 0.05 - 1.0).abs() < 1e-6, "{}", hertz.radius);
+        assert!((hertz.modulus / modulus - 1.0).abs() < 1e-14, "{}", hertz.modulus);
+        assert_eq!((hertz.share, hertz.thickness), (1.0, Some(1.0)));
+        let (a, p0) = hertz.under(1e6);
+        assert!((p0 / (1e6 * modulus / (PI * hertz.radius)).sqrt() - 1.0).abs() < 1e-14);
+        assert!((0.5 * PI * p0 * a / 1e6 - 1.0).abs() < 1e-14);
+    }
+}

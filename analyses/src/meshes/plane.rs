@@ -97,3 +97,70 @@ fn side(elements: &Elements, places: &[Coordinates], e: usize, k: usize) -> Line
     };
     steps.iter().map(point).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Blocks, Direction, ELEMENTS, Hertz, direction, spots};
+    use super::*;
+    use bipenalty::fem::MassMatrix;
+    use bipenalty::mesh::{Assembled, Place};
+    use bipenalty::stability::AnyScene;
+
+    fn area(polygon: &[(f64, f64)]) -> f64 {
+        let next = polygon.iter().cycle().skip(1);
+        0.5 * polygon.iter().zip(next).map(|(a, b)| a.0 * b.1 - b.0 * a.1).sum::<f64>()
+    }
+
+    fn blocks(element: &'static str) -> Assembled {
+        let scene = Blocks { name: "blocks".to_owned(), element, cells: [6, 4] }.scene().expect("a scene");
+        let AnyScene::Mesh(scene) = scene else { panic!("a mesh") };
+        scene.assemble(MassMatrix::LUMPED).expect("matrices")
+    }
+
+    /// Two blocks of 0.2 m by 0.1 m, also when they are stretched, and the contact between them. Sums of some 500 numbers.
+    #[test]
+    fn polygons_edges_and_shares_have_the_sizes_of_the_bodies() {
+        const ROUNDING: f64 = 500.0 * f64::EPSILON;
+        for element in ELEMENTS[0] {
+            let assembled = blocks(element);
+            let (elements, gaps) = (&assembled.elements, &assembled.gaps()[..]);
+            let places: Vec<Place> = assembled.contacts.iter().map(|contact| contact.place.clone()).collect();
+            let places = &places[..];
+            // u = x along x: twice as wide, but below, where it is held.
+            let mut u = vec![0.0; elements.unknowns()];
+            let nodes = elements.bodies.iter().flat_map(|body| &body.mesh.nodes).enumerate();
+            for (node, place) in nodes {
+                if let Some(free) = u.get_mut(elements.dofs[2 * node] as usize) {
+                    *free = place[0];
+                }
+            }
+            for (factor, upper) in [(0.0, 0.02), (0.5, 0.03)] {
+                let moved = displaced(elements, &u, factor);
+                let polygons = polygons(elements, &moved);
+                assert_eq!(polygons.len(), elements.len(), "{element}");
+                let of_upper = &polygons[elements.first[1].1..];
+                let found: f64 = of_upper.iter().map(|polygon| area(polygon)).sum();
+                assert!((found - upper).abs() < ROUNDING, "{element}: {found}");
+                assert!(polygons.iter().all(|polygon| area(polygon) > 0.0), "{element}");
+            }
+            let lines = outlines(elements, &displaced(elements, &u, 0.0));
+            assert_eq!(lines.len(), 2, "{element}");
+            for line in &lines {
+                let length: f64 = line.windows(2).map(|p| (p[1].0 - p[0].0).hypot(p[1].1 - p[0].1)).sum();
+                assert!(
+                    (length - 0.6).abs() < ROUNDING && line.first() == line.last(),
+                    "{element}: {length}"
+                );
+            }
+            let spots = spots(elements, places, gaps);
+            let all: f64 = spots.iter().map(|spot| spot.area).sum();
+            assert!((all - 0.2).abs() < ROUNDING, "{element}: {all}");
+            for (spot, place) in spots.iter().zip(places) {
+                assert!((spot.position - place.coordinates[0]).abs() < ROUNDING, "{element}");
+            }
+            assert_eq!(direction(elements, places, gaps), Direction::Normal([0.0, 1.0]), "{element}");
+            // Flat surfaces are none of Hertz'.
+            assert_eq!(Hertz::of(elements, places, gaps), None, "{element}");
+        }
+    }
+}

@@ -347,6 +347,12 @@ pub const USES: &[(&str, &str, &str, Seen)] = &[
     ),
     (
         "contact-impact",
+        "--fields",
+        "signorini --elements 4 --mass lumped --beta-s 1 --scheme park --fields",
+        Refused("--fields"),
+    ),
+    (
+        "contact-impact",
         "--every",
         "signorini --elements 4 --mass lumped --beta-s 1 --scheme park --every 10",
         Holds(|scratch| {
