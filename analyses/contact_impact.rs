@@ -257,9 +257,8 @@ fn meshes(
         files += output.write_rows(&stem, &first.places())?.len();
     }
     files += draw_passages(&finished, output)?;
-    let pictured = finished.iter().filter(|run| options.fields && run.ending.is_finished());
-    for run in pictured {
-        files += draw_fields(run, options.every, &options.stress_at, output)?;
+    if options.fields {
+        files += draw_fields(&finished, options.every, &options.stress_at, output)?;
     }
     Ok((files, finished.iter().map(|run| run.ending).collect()))
 }

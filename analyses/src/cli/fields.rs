@@ -1,10 +1,14 @@
 //! The pictures of a mesh: a run is stepped again to a few instants that its rows tell, so that no states are held meanwhile.
 
+use rayon::prelude::*;
+
+use super::impacts::STOP;
 use super::{FinishedPassage, Output, PlannedPassage};
 use crate::charts::fields::{Instant, Reference, stresses, surfaces};
 use crate::error::{Error, Refusal, Result};
 use crate::meshes::{Direction, Hertz, Spot, direction, displaced, outlines, polygons, spots};
 use crate::record::{ElementRow, Number, PassageRow, SurfaceRow};
+use bipenalty::impact::Observer;
 use bipenalty::mesh::{Elements, Place, von_mises};
 use bipenalty::pencil::Gap;
 use bipenalty::schemes::Motion;
@@ -43,22 +47,28 @@ pub fn check_instants(planned: &PlannedPassage, instants: &[f64]) -> Result<(), 
     }
 }
 
-/// Draws stress, pressure and gap of a run at the instants `at` (s), or at the largest contact force and halfway to it and from
-/// it; `every` as in the rows. The number of files.
+/// Draws stress, pressure and gap of the runs that came to their end, at the instants `at` (s), or at the largest contact force and
+/// halfway to it and from it; `every` as in the rows. The number of files.
 ///
 /// # Errors
 /// What stepping refuses, and what the system says of a file.
-pub fn draw_fields(run: &FinishedPassage, every: u64, at: &[f64], output: &Output) -> Result<usize> {
-    let AnyModel::Mesh(model) = &*run.planned.model else { return Ok(0) };
-    let Some((elements, places)) = model.mesh().zip(model.places()) else { return Ok(0) };
+pub fn draw_fields(finished: &[FinishedPassage], every: u64, at: &[f64], output: &Output) -> Result<usize> {
     if output.to_stdout() {
         return Ok(0);
     }
+    let whole = finished.par_iter().filter(|run| run.ending.is_finished());
+    whole.map(|run| draw(run, every, at, output)).sum()
+}
+
+fn draw(run: &FinishedPassage, every: u64, at: &[f64], output: &Output) -> Result<usize> {
+    let AnyModel::Mesh(model) = &*run.planned.model else { return Ok(0) };
+    let Some((elements, places)) = model.mesh().zip(model.places()) else { return Ok(0) };
     let gaps = run.planned.passage.encounter().pencil().gaps();
     let chosen = chosen(&run.rows, at);
     let mut pictures = Pictures::new(elements, places, gaps);
     let (mut row, mut failure) = (0, None);
-    run.planned.passage.stream(every, None, |time, motion| {
+    let watched = Observer { stop: &STOP, report: &mut |_, _| () };
+    run.planned.passage.stream(every, Some(watched), |time, motion| {
         if chosen.contains(&row) && failure.is_none() {
             failure = pictures.add(time, motion).err();
         }
