@@ -145,7 +145,7 @@ pub(super) fn layout<'a>(
     let height = rows as f64 * (margins.top + size.1) + margins.bottom.iter().sum::<f64>();
     let width = margins.left.iter().sum::<f64>() + columns as f64 * (size.0 + margins.right);
     let bar = bar.map(|(bar, interval)| -> Result<PlacedBar, PlotError> {
-        let long = height - margins.top - margins.bottom[rows - 1];
+        let long = plan.bar_length(size, &margins);
         Ok(PlacedBar {
             bar,
             rect: Rect::new(width, margins.top, BAR, long),
@@ -195,7 +195,7 @@ impl Plan<'_> {
             margins = self.margins(size)?;
             let bar_width = match bar {
                 Some((bar, interval)) => {
-                    let ticks = vertical_ticks(&bar.axis, interval, self.rows as f64 * size.1);
+                    let ticks = vertical_ticks(&bar.axis, interval, self.bar_length(size, &margins));
                     BAR + side_width(&bar.axis, &ticks, self.fonts)? + PADDING
                 }
                 None => 0.0,
@@ -205,12 +205,21 @@ impl Plan<'_> {
             if self.side > MAX_LABEL_SHARE * share || frame < MIN_FRAME {
                 return Err(PlotError::TooNarrow { columns, width });
             }
+            // A frame with room to spare at its own labels is no larger next time, or its size would swing with theirs.
+            let frame = if turn > 1 { frame.min(before.0) } else { frame };
             size = (frame, (frame * self.figure.aspect).min(MOST_HEIGHT / self.rows as f64));
             if turn > 0 && (size == before || !self.figure.equal) {
                 break;
             }
         }
         Ok((size, margins))
+    }
+
+    /// From the top of the first row of frames to the bottom of the last one.
+    fn bar_length(&self, size: (f64, f64), margins: &Margins) -> f64 {
+        let between =
+            (self.rows - 1) as f64 * margins.top + margins.bottom[..self.rows - 1].iter().sum::<f64>();
+        self.rows as f64 * size.1 + between
     }
 
     fn margins(&self, size: (f64, f64)) -> Result<Margins, PlotError> {
@@ -387,7 +396,7 @@ pub(super) fn check_length(length: f64, room: f64, label: &str) -> Result<(), Pl
 }
 
 /// Space a vertical axis takes beside its frame: ticks, their labels and the axis label.
-fn side_width(axis: &Axis, ticks: &Ticks, fonts: &Fonts) -> Result<f64, PlotError> {
+pub(super) fn side_width(axis: &Axis, ticks: &Ticks, fonts: &Fonts) -> Result<f64, PlotError> {
     let label = if axis.label.is_empty() { 0.0 } else { GAP + text_height(AXIS_SIZE) };
     Ok(MAJOR_TICK + GAP + widest(ticks, fonts)? + label)
 }

@@ -1,5 +1,7 @@
 //! What a user of the layer relies on, through its public interface.
 
+use super::font::Fonts;
+use super::layout::{layout, side_width};
 use super::*;
 
 fn decay(rate: f64) -> Vec<DataPoint> {
@@ -263,4 +265,30 @@ fn patches_are_drawn_in_every_format() {
     values.resize(20_001, 3.0);
     let svg = many.svg().expect("valid figure");
     assert!(svg.contains("<image") && !svg.contains("stroke-width=\"6\""));
+}
+
+/// The ticks of a bar depend on the size of the frames, which depends on the room that the ticks leave.
+#[test]
+fn the_bar_of_equal_frames_stays_on_the_page() {
+    let fonts = Fonts::new().expect("fonts");
+    for tenth in 10..100 {
+        for (width, tall) in
+            [(Width::Single, 0.2), (Width::Single, 0.05), (Width::Double, 0.2), (Width::Double, 1.0)]
+        {
+            let mut figure = squares();
+            let Layer::Patches { polygons, values, outlines } = &mut figure.panels[0].layers[0] else {
+                panic!("patches")
+            };
+            for point in polygons.iter_mut().chain(outlines).flatten() {
+                point.0 *= tall;
+            }
+            *values = vec![-1e6 * f64::from(tenth), 1e6 * f64::from(tenth)];
+            figure.panels = vec![figure.panels[0].clone(); 3];
+            (figure.width, figure.aspect) = (width, 2.0);
+            let laid = layout(&figure, 2, &fonts, 0.0).expect("a layout");
+            let bar = laid.bar.expect("a bar");
+            let end = bar.rect.right + side_width(&bar.bar.axis, &bar.ticks, &fonts).expect("a width");
+            assert!(end <= figure.width.millimetres() + 1e-9, "{tenth} {width:?} {tall}: {end}");
+        }
+    }
 }
