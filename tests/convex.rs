@@ -11,10 +11,14 @@ mod definite;
 mod double_double;
 #[path = "convex/exact.rs"]
 mod exact;
+#[path = "convex/far.rs"]
+mod far;
 #[path = "common/numbers.rs"]
 mod numbers;
 #[path = "common/reduced.rs"]
 mod reduced;
+#[path = "models/scenes.rs"]
+mod scenes;
 
 use bipenalty::convex::factor::Verdict;
 use bipenalty::convex::{Asked, Curve, Enclosed, MeshPencil, Options, Patches, Prover, TooWide};

@@ -1,7 +1,7 @@
 //! The driver: f enclosed wherever it is asked, by as few eigenproblems and proofs as it takes.
 
 use super::chance::Chance;
-use super::factor::{Factorisation, TooLarge, Verdict};
+use super::factor::{TooLarge, Verdict};
 use super::lanczos::Search;
 use super::patches::Patches;
 use super::pencil::MeshPencil;
@@ -9,6 +9,7 @@ use super::source::{Local, Source};
 use super::span::Line;
 use super::start::{self, Start};
 use super::upper::{ProvenPoint, Upper};
+use super::whole::Whole;
 use crate::error::Refusal;
 use crate::interrupt;
 
@@ -16,7 +17,7 @@ use crate::interrupt;
 #[derive(Debug)]
 pub enum Prover {
     /// A sparse Cholesky of the whole matrix.
-    Whole(Box<Factorisation>),
+    Whole(Box<Whole>),
     /// One small Cholesky for each patch of elements: a bound that is too high by what the patch is too small.
     Patches(Box<Patches>),
     /// Nothing: each bound holds except with a small probability.
@@ -29,8 +30,8 @@ impl Prover {
     /// # Errors
     /// It would take more.
     pub fn whole(pencil: &MeshPencil, allowed: usize) -> Result<Self, Refusal> {
-        match Factorisation::new(pencil, allowed) {
-            Ok(factorisation) => Ok(Self::Whole(Box::new(factorisation))),
+        match Whole::new(pencil, allowed) {
+            Ok(whole) => Ok(Self::Whole(Box::new(whole))),
             Err(TooLarge { needed, allowed }) => Err(Refusal::new(
                 "memory of the factorisation",
                 format!("{needed} bytes"),
@@ -42,7 +43,7 @@ impl Prover {
     /// Bytes of the factors that are held at a time at most.
     pub fn memory(&self) -> usize {
         match self {
-            Self::Whole(factorisation) => factorisation.memory(),
+            Self::Whole(whole) => whole.memory(),
             Self::Patches(patches) => patches.memory(),
             Self::Chance(_) => 0,
         }
@@ -51,7 +52,7 @@ impl Prover {
     pub(super) fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64) -> Verdict {
         interrupt::look();
         match self {
-            Self::Whole(factorisation) => factorisation.prove(u, a, t, margin),
+            Self::Whole(whole) => whole.prove(u, (a, t), margin),
             Self::Patches(patches) => patches.prove(u, a, t, margin),
             Self::Chance(chance) => chance.prove(u, (a, t)),
         }
@@ -86,11 +87,7 @@ impl Prover {
 
     fn proves_mass(&self, share: f64) -> bool {
         match self {
-            Self::Whole(factorisation) => {
-                let verdict =
-                    factorisation.prove_beyond(1.0, (0.0, 0.0), (1.0 + LEAST_MARGIN) * share, share);
-                verdict == Verdict::Proven
-            }
+            Self::Whole(whole) => whole.proves_mass(share, (1.0 + LEAST_MARGIN) * share),
             Self::Patches(patches) => patches.proves_mass(share),
             Self::Chance(_) => false,
         }
@@ -261,18 +258,20 @@ impl<S: Source> Curve<S> {
         Ok(())
     }
 
-    /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M); of
+    /// The smallest of the values start + 1, 3.5, 12 .. times `step` that can be proven to bound l_max(a K + t P, M); of
     /// patches and chance, which are too high by their nature, how far is then looked for to a part of [`CLOSELY`].
     fn climb(&mut self, start: f64, combination: (f64, f64), step: f64) -> Option<f64> {
         let (least, mut step, mut margin, mut failed) = (step, step, 0.05 * step / start, 0.0);
         let mut proven = None;
         // Patches are too high by a part that varies slowly: the last one is nearly right.
-        let mut growth: f64 = 4.0;
+        // The second step of a sharp proof still ends below the width that is asked for, of which the first is a quarter.
+        let most = if self.source.is_sharp() { 3.5 } else { 4.0 };
+        let mut growth: f64 = most;
         if !self.source.is_sharp() && combination.0 != 0.0 && self.excess * start > step {
             (step, growth) = (self.excess * start, 1.0 + CLOSELY);
         }
         let mut shrink = growth;
-        // 4^24 > 1e14: from the last digits to the size of the value.
+        // 3.5^24 > 1e13: from the last digits to the size of the value.
         for _ in 0..24 {
             match self.try_to_prove(start + step, combination, margin) {
                 Verdict::Proven => {
@@ -281,7 +280,7 @@ impl<S: Source> Curve<S> {
                 }
                 Verdict::Refuted => {
                     (failed, step) = (step, growth * step);
-                    growth = (growth * growth).min(4.0);
+                    growth = (growth * growth).min(most);
                 }
                 Verdict::TooClose(needed) => {
                     // The rounding at a u that is larger by its own amount is the same to that part.

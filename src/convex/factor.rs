@@ -21,6 +21,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, Par, Side};
 
 use super::pencil::MeshPencil;
+use crate::pencil::{Gap, Matrix};
 
 /// Fewer unknowns than this are factorised by one thread: the fork costs more than the work.
 const FEW: usize = 20_000;
@@ -45,10 +46,19 @@ pub struct Factorisation {
     penalty: Vec<f64>,
     /// The sums of the sizes of the terms of P, which its rounding is measured by.
     sizes: Vec<f64>,
+    /// The largest row sum of them.
+    penalty_size: f64,
     /// How many terms an entry of P sums at most.
     terms: usize,
     symbolic: SymbolicCholesky<usize>,
     scaling: Vec<f64>,
+}
+
+/// A gap whose entries z_i are off by no more than a unit roundoff of their sizes: (i, z_i, size).
+#[derive(Debug)]
+pub(super) struct Weighted {
+    pub scale: f64,
+    pub entries: Vec<(u32, f64, f64)>,
 }
 
 /// What a factorisation said.
@@ -78,10 +88,24 @@ impl Factorisation {
     /// # Errors
     /// The factor would need more than `allowed` bytes.
     pub fn new(pencil: &MeshPencil, allowed: usize) -> Result<Self, TooLarge> {
-        let n = pencil.size();
+        let weighted = |contact: &Gap| Weighted {
+            scale: contact.scale,
+            entries: contact.column.0.iter().map(|(i, z)| (*i, *z, z.abs())).collect(),
+        };
+        let gaps: Vec<_> = pencil.contacts().iter().map(weighted).collect();
+        Self::of((pencil.stiffness(), pencil.mass()), &gaps, allowed)
+    }
+
+    /// The same of K, M and gaps that may be off.
+    pub(super) fn of(
+        (stiffness, mass): (&Matrix, &Matrix),
+        gaps: &[Weighted],
+        allowed: usize,
+    ) -> Result<Self, TooLarge> {
+        let n = mass.size();
         let scaling: Vec<f64> =
-            pencil.mass_diagonal().iter().map(|m| (-0.5 * m.log2()).round().exp2()).collect();
-        let (columns, terms) = entries(pencil, &scaling);
+            (0..n).map(|i| (-0.5 * mass.diagonal(i).log2()).round().exp2()).collect();
+        let (columns, terms) = entries((stiffness, mass), gaps, &scaling);
         let mut this = Pattern::default();
         this.starts.push(0);
         for column in columns {
@@ -103,8 +127,9 @@ impl Factorisation {
         if needed > allowed {
             return Err(too_large(needed));
         }
+        let penalty_size = this.penalty_size();
         let Pattern { starts, rows, stiffness, mass, penalty, sizes } = this;
-        Ok(Self { starts, rows, stiffness, mass, penalty, sizes, terms, symbolic, scaling })
+        Ok(Self { starts, rows, stiffness, mass, penalty, sizes, penalty_size, terms, symbolic, scaling })
     }
 
     /// Bytes of the factor.
@@ -118,17 +143,53 @@ impl Factorisation {
     }
 
     /// Whether D (u M - a K - t P) D - beyond I is positive semidefinite.
-    pub(super) fn prove_beyond(&self, u: f64, (a, t): (f64, f64), margin: f64, beyond: f64) -> Verdict {
+    pub(super) fn prove_beyond(&self, u: f64, at: (f64, f64), margin: f64, beyond: f64) -> Verdict {
+        self.prove_with(u, at, margin, (beyond, |_| 1.0))
+    }
+
+    /// The same for t < 0 with D E for D: E takes from the diagonal of D P D what it has more than that of u D M D.
+    pub(super) fn prove_scaled(&self, u: f64, (a, t): (f64, f64), margin: f64, beyond: f64) -> Verdict {
+        let n = self.scaling.len();
+        let mut extra = vec![1.0; n];
+        for column in 0..n {
+            for at in self.starts[column]..self.starts[column + 1] {
+                if self.rows[at] == column {
+                    let share = 1.0 - t * self.penalty[at] / (u * self.mass[at]);
+                    extra[column] = (-0.5 * share.max(1.0).log2()).round().exp2();
+                }
+            }
+        }
+        self.prove_with(u, (a, t), margin, (beyond, |i: usize| extra[i]))
+    }
+
+    /// A bound of what entries of t P round by, scaled.
+    pub(super) fn penalty_rounding(&self, t: f64) -> f64 {
+        rounding(self.terms + 16) * self.penalty_size * t.abs()
+    }
+
+    /// D.
+    pub(super) fn scaling(&self) -> &[f64] {
+        &self.scaling
+    }
+
+    fn prove_with(
+        &self,
+        u: f64,
+        (a, t): (f64, f64),
+        margin: f64,
+        (beyond, extra): (f64, impl Fn(usize) -> f64),
+    ) -> Verdict {
         let n = self.scaling.len();
         let shift = margin * u;
         let mut values: Vec<f64> = Vec::with_capacity(self.rows.len());
         let mut sums = vec![0.0; n];
         for column in 0..n {
             for at in self.starts[column]..self.starts[column + 1] {
-                let (m, k, p) = (u * self.mass[at], a * self.stiffness[at], t * self.penalty[at]);
                 let row = self.rows[at];
-                let size =
-                    m.abs() + k.abs() + t.abs() * self.sizes[at] + if row == column { shift } else { 0.0 };
+                let e = extra(row) * extra(column);
+                let (m, k, p) = (e * u * self.mass[at], e * a * self.stiffness[at], e * t * self.penalty[at]);
+                let own = if row == column { shift } else { 0.0 };
+                let size = m.abs() + k.abs() + e * t.abs() * self.sizes[at] + own;
                 sums[column] += size;
                 if row != column {
                     sums[row] += size;
@@ -136,8 +197,8 @@ impl Factorisation {
                 values.push(if row == column { m - k - p - shift } else { m - k - p });
             }
         }
-        // Each entry: the terms of P with four factors each, three products, three differences.
-        let stored = rounding(self.terms + 12) * largest(&sums);
+        // Each entry: the terms of P with four factors each, of which two may be off, three products, three differences.
+        let stored = rounding(self.terms + 16) * largest(&sums);
         let Some(factor) = self.factorise(&values) else { return Verdict::Refuted };
         let (product, most) = self.absolute_product(&factor);
         // The sums that bound the error are positive: doubling covers their own rounding.
@@ -225,26 +286,43 @@ struct Pattern {
     sizes: Vec<f64>,
 }
 
+impl Pattern {
+    /// The largest row sum of the sizes of P.
+    fn penalty_size(&self) -> f64 {
+        let n = self.starts.len() - 1;
+        let mut sums = vec![0.0; n];
+        for column in 0..n {
+            for at in self.starts[column]..self.starts[column + 1] {
+                sums[column] += self.sizes[at];
+                if self.rows[at] != column {
+                    sums[self.rows[at]] += self.sizes[at];
+                }
+            }
+        }
+        largest(&sums)
+    }
+}
+
 /// The upper triangle by columns, scaled: (row, [k, m, p, size of p]), and the most terms that an entry of P sums.
 fn entries<'a>(
-    pencil: &'a MeshPencil,
+    (stiffness, mass): (&'a Matrix, &'a Matrix),
+    gaps: &'a [Weighted],
     scaling: &'a [f64],
 ) -> (impl Iterator<Item = Vec<(usize, [f64; 4])>> + 'a, usize) {
-    let n = pencil.size();
-    let mut touching: Vec<Vec<(u32, f64)>> = vec![Vec::new(); n];
-    for (j, contact) in pencil.contacts().iter().enumerate() {
-        contact.column.0.iter().for_each(|(i, z)| touching[*i as usize].push((j as u32, *z)));
+    let n = mass.size();
+    let mut touching: Vec<Vec<(u32, f64, f64)>> = vec![Vec::new(); n];
+    for (j, gap) in gaps.iter().enumerate() {
+        gap.entries.iter().for_each(|(i, z, size)| touching[*i as usize].push((j as u32, *z, *size)));
     }
     let terms = touching.iter().map(Vec::len).max().unwrap_or(0);
     let columns = (0..n).map(move |column| {
         let mut found: Vec<(usize, [f64; 4])> = Vec::new();
-        found.extend(pencil.stiffness().row(column).map(|(row, k)| (row, [k, 0.0, 0.0, 0.0])));
-        found.extend(pencil.mass().row(column).map(|(row, m)| (row, [0.0, m, 0.0, 0.0])));
-        for (j, z) in &touching[column] {
-            let contact = &pencil.contacts()[*j as usize];
-            found.extend(contact.column.0.iter().map(|(row, y)| {
-                let p = contact.scale * z * y;
-                (*row as usize, [0.0, 0.0, p, p.abs()])
+        found.extend(stiffness.row(column).map(|(row, k)| (row, [k, 0.0, 0.0, 0.0])));
+        found.extend(mass.row(column).map(|(row, m)| (row, [0.0, m, 0.0, 0.0])));
+        for (j, z, size) in &touching[column] {
+            let gap = &gaps[*j as usize];
+            found.extend(gap.entries.iter().map(|(row, y, other)| {
+                (*row as usize, [0.0, 0.0, gap.scale * z * y, gap.scale * size * other])
             }));
         }
         found.retain(|(row, _)| *row <= column);

@@ -61,6 +61,7 @@ pub mod curve;
 mod dense;
 mod elements;
 pub mod factor;
+mod gaps;
 mod inverse;
 pub mod lanczos;
 mod narrow;
@@ -77,6 +78,7 @@ mod start;
 pub mod subspace;
 pub mod upper;
 mod vectors;
+pub mod whole;
 
 pub use chance::Chance;
 pub use closed::{Flexibilities, Given, Poles, Share};

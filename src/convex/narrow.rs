@@ -8,19 +8,16 @@ use super::source::Source;
 const NARROWEST: f64 = 0.04;
 
 impl<S: Source> Curve<S> {
-    /// Proves points for a t far below 0: there the rounding of t P, not f, limits a proof, and since f does not decrease
-    /// a point at a larger t serves as well. With x = |t| mu/f, f(t) exceeds f(-infinity) by a part of some 1/x and rounding takes a
-    /// part of some n eps x: at best, x = (n eps)^(-1/2), (n eps)^(1/2) is left, some 1e-8 to 1e-7. So a width of 1e-9 is out of reach
-    /// where r < 1 and beta_s is so large that f is not flat between such a t and s - l m.
-    fn prove_far_below(&mut self, t: f64) -> bool {
-        let mut proven = false;
+    /// Proves points for a t far below 0 where the proof at t itself is not close: without gaps for unknowns the rounding of t P,
+    /// not f, limits it, and since f does not decrease a point at a larger t serves as well. With x = |t| mu/f, f(t) exceeds
+    /// f(-infinity) by a part of some 1/x and rounding takes a part of some n eps x: at best, x = (n eps)^(-1/2), (n eps)^(1/2) is left.
+    fn prove_far_below(&mut self, t: f64) {
         for power in 4..13 {
             let at = -self.unit * 10_f64.powi(power);
             if at > t {
-                proven |= self.prove(at);
+                self.prove(at);
             }
         }
-        self.prove(t) || proven
     }
 
     /// As [`Curve::enclose`] with a width of its own, which later questions keep.
@@ -77,11 +74,16 @@ impl<S: Source> Curve<S> {
         let mut lower = self.bounds(asked).lower;
         // Where m is large, t moves by powers of ten; each round takes one at least, and f64 has 308.
         for _ in 0..308 {
-            self.lower_at(asked.place(lower));
+            let t = asked.place(lower);
+            self.lower_at(t);
             let next = self.bounds(asked).lower;
-            let settled = next - lower <= 0.01 * self.goal() * next.abs();
+            // Where m is large, l hardly changes while t is still far off: both must have settled, or rounding moves t.
+            let moved = (t - asked.place(next)).abs();
+            let settled = moved <= 0.01 * self.unit.max(t.abs())
+                || moved <= 64.0 * f64::EPSILON * (lower * asked.mass).abs();
+            let gain = next - lower;
             lower = next;
-            if settled {
+            if gain <= 0.0 || (gain <= 0.01 * self.goal() * next.abs() && settled) {
                 break;
             }
         }
@@ -94,12 +96,18 @@ impl<S: Source> Curve<S> {
         let few = self.source.unknowns() <= self.options.basis;
         self.sample(if few { t } else { t.max(-1e4 * self.unit) }, false);
         let t = self.polish(asked);
-        if self.bounds(asked).step_width() > self.options.tolerance {
-            if t < -1e4 * self.unit {
-                self.prove_far_below(t);
-            } else {
-                self.prove(t);
-            }
+        let wide = |this: &Self| this.bounds(asked).step_width() > this.options.tolerance;
+        if wide(self) {
+            self.prove(t);
+        }
+        let below = asked.place(self.bounds(asked).lower * (1.0 + 0.25 * self.goal()));
+        if wide(self) && self.source.is_sharp() && below < t {
+            // Where l m is large, t is not known closely enough: what the last digits of l move it by, f may not stand. A bound of
+            // f no larger than l (1 + e), where s - l m is for that l, is as good.
+            self.prove(below);
+        }
+        if wide(self) && t < -1e4 * self.unit {
+            self.prove_far_below(t);
         }
     }
 
