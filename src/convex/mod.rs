@@ -70,6 +70,7 @@ pub mod patches;
 pub mod pencil;
 mod point;
 mod response;
+mod ritz;
 pub mod session;
 pub mod sharing;
 pub mod source;

@@ -14,8 +14,8 @@
 use faer::Mat;
 
 use super::factor::rounding;
-use super::lanczos::eigen;
 use super::pencil::MeshPencil;
+use super::ritz;
 use super::vectors::dot_depth;
 use crate::pencil::Matrix;
 
@@ -198,14 +198,10 @@ impl Span {
     /// The coefficients y of the Ritz vector of the largest Ritz value at t.
     pub fn ritz(&self, t: f64) -> Vec<f64> {
         let k = self.dimension();
-        let mut h = Mat::<f64>::zeros(k, k);
-        for i in 0..k {
-            for j in 0..=i {
-                let value = self.rows[i].stiffness[j] + t * self.penalty[i][j];
-                (h[(i, j)], h[(j, i)]) = (value, value);
-            }
-        }
-        let (_, vectors) = eigen(h);
-        (0..k).map(|i| vectors[(i, k - 1)]).collect()
+        let whole = |rows: &dyn Fn(usize, usize) -> f64| Mat::from_fn(k, k, |i, j| rows(i.max(j), i.min(j)));
+        let stiffness = whole(&|i, j| self.rows[i].stiffness[j]);
+        let penalty = whole(&|i, j| self.penalty[i][j]);
+        let gaps = || Mat::from_fn(self.scales.len(), k, |j, i| self.scales[j].sqrt() * self.rows[i].gaps[j]);
+        ritz::largest(&stiffness, &penalty, t, gaps)
     }
 }

@@ -76,7 +76,7 @@ fn probe() {
                 Asked::of(stiffness, ratio, mesh)
             })
             .collect();
-        if ![296, 281].contains(&case) {
+        if ![27, 46].contains(&case) {
             continue;
         }
         let found = curve.enclose(&asked);
@@ -89,13 +89,9 @@ fn probe() {
                     let l = e.lower + share * (e.upper - e.lower);
                     println!("  {share} above {}", exact.above(l, *asked));
                 }
-                for t in [e.lower, e.upper].map(|l| asked.stiffness - l * asked.mass) {
-                    for more in [0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0] {
-                        let t = t - more;
+                for t in [1e-12, 1e-8, 1e-4, 1e-2, 1.0].map(|part| part * (asked.stiffness - e.lower * asked.mass)) {
                         let f = curve.lower_at(t);
-                        let dense = crate::dense_largest(&pencil, 1.0, t);
-                        println!("    t {t:.9e} lower {f:.15e} dense {dense:.15e}");
-                    }
+                        println!("    t {t:.9e} lower {f:.15e}");
                 }
             }
         }
