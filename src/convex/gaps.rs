@@ -70,14 +70,17 @@ impl Elimination {
     }
 
     /// Lets a gap take an unknown, if one is left to it.
-    fn take(&mut self, gap: &Gap, occurrences: &HashMap<u32, usize>) {
+    ///
+    /// One that occurs in few gaps, for short rows, and is light: what a heavy one gives up is nearly all of the mass of the others.
+    fn take(&mut self, gap: &Gap, occurrences: &HashMap<u32, usize>, masses: &[f64]) {
         let largest = |form: &[(u32, f64)]| form.iter().map(|(_, z)| z.abs()).fold(0.0, f64::max);
         let (_, free) = self.substituted(&gap.column.0);
         let most = largest(&free);
         if most <= NOTHING * largest(&gap.column.0) {
             return;
         }
-        let worth = |(i, z): &(u32, f64)| (std::cmp::Reverse(occurrences.get(i).copied().unwrap_or(0)), z.abs());
+        let rare = |i: &u32| std::cmp::Reverse(occurrences.get(i).copied().unwrap_or(0));
+        let worth = |(i, z): &(u32, f64)| (rare(i), z * z / masses[*i as usize]);
         let choice = free
             .iter()
             .filter(|(_, z)| z.abs() >= PIVOT * most)
@@ -90,9 +93,9 @@ impl Elimination {
 }
 
 impl GapUnknowns {
-    /// The unknowns of these contacts, those of the largest scales first: `None` where T fills up, or entries leave the range
+    /// The unknowns of these contacts among some of these masses, those of the largest scales first: `None` where T fills up, or entries leave the range
     /// in which twice the digits can be had.
-    pub fn new(contacts: &[Gap]) -> Option<Self> {
+    pub fn new(contacts: &[Gap], masses: &[f64]) -> Option<Self> {
         let entries = || contacts.iter().flat_map(|contact| &contact.column.0);
         if entries().any(|(_, z)| *z != 0.0 && !(SMALLEST..1.0 / SMALLEST).contains(&z.abs())) {
             return None;
@@ -104,7 +107,7 @@ impl GapUnknowns {
         order.sort_by(|a, b| b.scale.total_cmp(&a.scale));
         let (mut elimination, mut filled) = (Elimination::default(), 0);
         for gap in order {
-            elimination.take(gap, &occurrences);
+            elimination.take(gap, &occurrences, masses);
             filled += elimination.rows.last().map_or(0, |(_, row)| row.len());
             if filled > most {
                 return None;

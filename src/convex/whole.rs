@@ -13,6 +13,9 @@ use super::pencil::MeshPencil;
 /// The part of a margin that roundings of t P may take before gaps are made unknowns.
 const SHARE: f64 = 0.05;
 
+/// What the rounding of K and M alone takes, times this, is tried first as the margin of all.
+const ROOM: f64 = 8.0;
+
 /// A pencil whose matrices are factorised.
 #[derive(Debug)]
 pub struct Whole {
@@ -72,7 +75,7 @@ impl Whole {
 impl Gapped {
     /// `None` where gaps do not make good unknowns, or the factor does not fit.
     fn new(pencil: &MeshPencil, allowed: usize) -> Option<Self> {
-        let unknowns = GapUnknowns::new(pencil.contacts())?;
+        let unknowns = GapUnknowns::new(pencil.contacts(), pencil.mass_diagonal())?;
         let (stiffness, mass) = (unknowns.congruent(pencil.stiffness()), unknowns.congruent(pencil.mass()));
         let gaps: Vec<_> = pencil.contacts().iter().map(|contact| unknowns.gap(contact)).collect();
         let factorisation = Factorisation::of((&stiffness.matrix, &mass.matrix), &gaps, allowed).ok()?;
@@ -89,9 +92,14 @@ impl Gapped {
         Some(Self { factorisation, lost })
     }
 
-    fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64) -> Verdict {
+    /// With no more for rounding than it takes: in these unknowns M may be far from its diagonal, beside which margins count.
+    fn prove(&self, u: f64, at: (f64, f64), margin: f64) -> Verdict {
         // A smaller scaling makes what is lost no larger.
-        let beyond = 2.0 * (self.lost.0 * a.abs() + self.lost.1 * u);
-        self.factorisation.prove_scaled(u, (a, t), margin, beyond)
+        let beyond = 2.0 * (self.lost.0 * at.0.abs() + self.lost.1 * u);
+        let prove = |margin: f64| self.factorisation.prove_scaled(u, at, margin, beyond);
+        match prove(margin.min(ROOM * beyond / u)) {
+            Verdict::TooClose(needed) if needed < margin => prove(margin.min(2.0 * needed)),
+            verdict => verdict,
+        }
     }
 }

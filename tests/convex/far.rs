@@ -21,13 +21,15 @@ fn pencil(seed: u64) -> MeshPencil {
 
 #[test]
 fn survey() {
-    let mut random = Numbers(11);
+    let mut random = Numbers(std::env::var("SEED").map_or(11, |s| s.parse().unwrap()));
+    let first = random.0 * 300;
+    let tolerance: f64 = std::env::var("TOL").map_or(1e-9, |s| s.parse().unwrap());
     for kind in 0..2 {
         let (mut points, mut wide, mut bad) = (0, 0, 0);
         for case in 0..300 {
-            let pencil = if kind == 0 { random_pencil(&mut random) } else { pencil(case) };
+            let pencil = if kind == 0 { random_pencil(&mut random) } else { pencil(first + case) };
             let mut curve =
-                Curve::new(&pencil, Options { tolerance: 1e-9, ..Options::default() }).unwrap();
+                Curve::new(&pencil, Options { tolerance, ..Options::default() }).unwrap();
             let mesh = curve.mesh();
             let asked: Vec<Asked> = (0..16)
                 .map(|i| {
@@ -64,7 +66,7 @@ fn survey() {
 
 #[test]
 fn probe() {
-    let mut random = Numbers(11);
+    let mut random = Numbers(3);
     for case in 0..300 {
         let pencil = random_pencil(&mut random);
         let mut curve = Curve::new(&pencil, Options { tolerance: 1e-9, ..Options::default() }).unwrap();
@@ -76,7 +78,7 @@ fn probe() {
                 Asked::of(stiffness, ratio, mesh)
             })
             .collect();
-        if ![27, 46].contains(&case) {
+        if ![20, 116].contains(&case) {
             continue;
         }
         let found = curve.enclose(&asked);
@@ -89,9 +91,11 @@ fn probe() {
                     let l = e.lower + share * (e.upper - e.lower);
                     println!("  {share} above {}", exact.above(l, *asked));
                 }
-                for t in [1e-12, 1e-8, 1e-4, 1e-2, 1.0].map(|part| part * (asked.stiffness - e.lower * asked.mass)) {
-                        let f = curve.lower_at(t);
-                        println!("    t {t:.9e} lower {f:.15e}");
+                let mut points = curve.upper().points().to_vec();
+                points.sort_by(|a, b| a.t.total_cmp(&b.t));
+                for p in &points {
+                    let low = curve.lower_at(p.t);
+                    println!("   {:e} {:e} {:e} reach {:e}", p.t, p.u, p.u / low - 1.0, (asked.stiffness-p.t)/asked.mass/e.lower-1.0);
                 }
             }
         }
