@@ -75,12 +75,10 @@ fn enclosure(found: Result<Enclosed, TooWide>) -> Enclosed {
     found.unwrap_or_else(|wide| wide.enclosed)
 }
 
-/// The limits are those of double-double arithmetic. An enclosure is as narrow as asked, or said to be wider; and wider only
-/// as far as the rounding of t P, relative to l, makes it.
+/// The limits are those of double-double arithmetic.
 #[test]
-fn five_hundred_random_pencils_are_enclosed_as_narrowly_as_asked_or_said_to_be_wider() {
+fn five_hundred_random_pencils_are_enclosed_as_narrowly_as_asked() {
     let mut random = Numbers(7);
-    let mut wide = [0; 2];
     for case in 0..500 {
         let pencil = random_pencil(&mut random);
         let tolerance = if case % 2 == 0 { 1e-3 } else { 1e-6 };
@@ -95,39 +93,15 @@ fn five_hundred_random_pencils_are_enclosed_as_narrowly_as_asked_or_said_to_be_w
             .collect();
         let exact = Exact::new(&pencil);
         for (asked, found) in asked.iter().zip(curve.enclose(&asked)) {
-            let Enclosed { lower, upper } = enclosure(found);
-            let width = enclosure(found).step_width();
-            let place = format!("case {case}, {asked:?}, {found:?}, width {width:e}");
-            let mu = curve.upper().slope();
-            let error = exact.error(lower, mu, *asked);
+            let place = format!("case {case}, {asked:?}, {found:?}");
+            let enclosed = found.unwrap_or_else(|wide| panic!("{place}: {wide}"));
+            assert!(enclosed.step_width() <= tolerance, "{place}");
+            let error = exact.error(enclosed.lower, curve.upper().slope(), *asked);
             assert!(error < 1e-3 * tolerance, "{place}: the oracle errs by {error:e}");
-            assert!(!exact.above(lower * (1.0 - error), *asked), "{place}");
-            assert!(exact.above(upper * (1.0 + error), *asked), "{place}");
-            assert_eq!(found.is_ok(), width <= tolerance, "{place}");
-            if found.is_err() {
-                let t = asked.stiffness - lower * asked.mass;
-                let rounding = 16.0 * f64::EPSILON * pencil.size() as f64 * t.abs() * mu / lower;
-                assert!(width <= rounding, "{place}: t P rounds by {rounding:e}");
-                wide[case % 2] += 1;
-            }
+            assert!(!exact.above(enclosed.lower * (1.0 - error), *asked), "{place}");
+            assert!(exact.above(enclosed.upper * (1.0 + error), *asked), "{place}");
         }
     }
-    // Of 1500 points each: those where f nearly vanishes beside t P.
-    println!("wider than asked: {wide:?}");
-    assert!(wide[0] <= 3 && wide[1] <= 45, "{wide:?}");
-}
-
-/// Two masses, of scales 1 and 1e-12 N/m: at t = -5e11 N/m f = 1/2 is what is left of terms of 5e11.
-#[test]
-fn a_width_that_rounding_forbids_is_said() {
-    let unit = || Matrix::Diagonal(vec![1.0; 2]);
-    let gap = |i, scale| Gap { column: SparseVector(vec![(i, 1.0)]), scale, initial: 0.0 };
-    let pencil = MeshPencil::new(unit(), unit(), vec![gap(0, 1.0), gap(1, 1e-12)]).unwrap();
-    let mut curve = Curve::new(&pencil, Options { tolerance: 1e-6, ..Options::default() }).unwrap();
-    let TooWide { enclosed, tolerance } =
-        curve.enclose(&[Asked { stiffness: 5e11, mass: 2e12 }])[0].unwrap_err();
-    assert!(enclosed.lower <= 0.5 && 0.5 <= enclosed.upper && enclosed.upper < 1.0, "{enclosed:?}");
-    assert!(tolerance == 1e-6 && enclosed.step_width() > tolerance);
 }
 
 /// f(t) is convex, nondecreasing, and its slope at most mu.

@@ -103,8 +103,7 @@ impl Factorisation {
         allowed: usize,
     ) -> Result<Self, TooLarge> {
         let n = mass.size();
-        let scaling: Vec<f64> =
-            (0..n).map(|i| (-0.5 * mass.diagonal(i).log2()).round().exp2()).collect();
+        let scaling: Vec<f64> = (0..n).map(|i| (-0.5 * mass.diagonal(i).log2()).round().exp2()).collect();
         let (columns, terms) = entries((stiffness, mass), gaps, &scaling);
         let mut this = Pattern::default();
         this.starts.push(0);

@@ -185,7 +185,8 @@ impl GapUnknowns {
     /// The largest row sum of D |T|'|A||T| D.
     pub fn size(&self, matrix: &Matrix, scaling: &[f64]) -> f64 {
         let n = scaling.len();
-        let spread = |i: usize, x: &[f64]| self.row(i as u32).map(|(k, c)| c.abs() * x[k as usize]).sum::<f64>();
+        let spread =
+            |i: usize, x: &[f64]| self.row(i as u32).map(|(k, c)| c.abs() * x[k as usize]).sum::<f64>();
         let at: Vec<f64> = (0..n).map(|i| spread(i, scaling)).collect();
         let mut sums = vec![0.0; n];
         for i in 0..n {
@@ -193,5 +194,75 @@ impl GapUnknowns {
             self.row(i as u32).for_each(|(k, c)| sums[k as usize] += c.abs() * image);
         }
         sums.iter().zip(scaling).map(|(sum, d)| sum * d).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::GapUnknowns;
+    use crate::pencil::{Gap, Matrix, Tridiagonal};
+    use crate::sparse::SparseVector;
+
+    fn gap(entries: &[(u32, f64)], scale: f64) -> Gap {
+        Gap { column: SparseVector(entries.to_vec()), scale, initial: 0.0 }
+    }
+
+    /// Gaps that share unknowns, of unlike scales, the last but one the difference of the first two, and the last one again the first.
+    fn contacts() -> Vec<Gap> {
+        let (first, second) = ([(0, 0.6), (1, -0.3), (2, -0.7)], [(1, 0.9), (2, -0.35), (3, -0.55)]);
+        let difference = [(0, 0.6), (1, -0.3 - 0.9), (2, -0.7 + 0.35), (3, 0.55)];
+        vec![
+            gap(&first, 1.0),
+            gap(&second, 3.0),
+            gap(&[(3, 1.0), (4, -1.0 / 3.0)], 1e-6),
+            gap(&difference, 2.0),
+            gap(&first, 0.5),
+        ]
+    }
+
+    #[test]
+    fn gaps_stand_at_the_unknowns_that_they_took() {
+        let contacts = contacts();
+        let unknowns = GapUnknowns::new(&contacts, &[1.0; 6]).unwrap();
+        // As many as are independent.
+        assert_eq!(unknowns.rows.len(), 3);
+        let y = [0.3, -1.2, 0.7, 2.1, -0.4, 5.0];
+        let x: Vec<f64> = (0..6).map(|i| unknowns.row(i).map(|(k, c)| c * y[k as usize]).sum()).collect();
+        for contact in &contacts {
+            let found = unknowns.gap(contact);
+            let value: f64 = found.entries.iter().map(|(i, z, _)| z * y[*i as usize]).sum();
+            assert!((value - contact.column.dot(&x)).abs() < 1e-14, "{contact:?}: {found:?}");
+            for (i, z, size) in &found.entries {
+                assert!(unknowns.rows.contains_key(i) || z.abs() < 1e-15, "{contact:?}: {found:?}");
+                assert!(*size >= z.abs() && *size < z.abs() + 1e-12, "{contact:?}: {found:?}");
+            }
+        }
+    }
+
+    /// y'(T'AT) y = x'Ax, and |T|'|A||T| is no smaller.
+    #[test]
+    fn matrices_are_those_of_the_new_unknowns() {
+        let unknowns = GapUnknowns::new(&contacts(), &[1.0; 6]).unwrap();
+        let diagonal = vec![2.0, 3.0, 5.0, 7.0, 11.0, 13.0];
+        let a = Matrix::Chain(Tridiagonal { diagonal, off_diagonal: vec![-1.0, 0.5, -1.5, 0.25, -2.0] });
+        let congruent = unknowns.congruent(&a);
+        let y = [0.3, -1.2, 0.7, 2.1, -0.4, 5.0];
+        let x: Vec<f64> = (0..6).map(|i| unknowns.row(i).map(|(k, c)| c * y[k as usize]).sum()).collect();
+        let (old, new) = (a.quadratic(&x, &x), congruent.matrix.quadratic(&y, &y));
+        assert!((old - new).abs() < 1e-14 * old, "{old} {new}");
+        let ones = unknowns.size(&a, &[1.0; 6]);
+        let rows = (0..6).map(|i| congruent.matrix.row(i).map(|(_, a)| a.abs()).sum::<f64>());
+        let most = rows.fold(0.0, f64::max);
+        assert!(ones >= most && ones < 10.0 * most, "{ones} {most}");
+    }
+
+    #[test]
+    fn the_light_unknown_of_a_gap_is_taken() {
+        let contact = [gap(&[(0, 1.0), (1, -1.0)], 1.0)];
+        for (masses, taken) in [([1.0, 0.1], 1), ([0.1, 1.0], 0)] {
+            assert!(GapUnknowns::new(&contact, &masses).unwrap().rows.contains_key(&taken), "{masses:?}");
+        }
     }
 }

@@ -51,9 +51,8 @@ fn far(s: &Mat<f64>, b: Mat<f64>, t: f64, size: f64) -> Option<Vec<f64>> {
     let mut y = None;
     // The value enters beside OPEN times its size: the second round leaves the square of its part.
     for _ in 0..2 {
-        let stiff = Mat::from_fn(open, open, |i, j| {
-            (if i == j { value + sigma(i) } else { 0.0 }) - turned[(i, j)]
-        });
+        let stiff =
+            Mat::from_fn(open, open, |i, j| (if i == j { value + sigma(i) } else { 0.0 }) - turned[(i, j)]);
         let response = stiff.llt(Side::Lower).ok()?.solve(&coupling);
         let added = coupling.transpose() * &response;
         let whole = Mat::from_fn(k - open, k - open, |i, j| {
@@ -69,4 +68,26 @@ fn far(s: &Mat<f64>, b: Mat<f64>, t: f64, size: f64) -> Option<Vec<f64>> {
     let y = y?;
     let length = (0..k).map(|i| y[(i, 0)] * y[(i, 0)]).sum::<f64>().sqrt();
     Some((0..k).map(|i| y[(i, 0)] / length).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    /// S = [2 1; 1 3] and one gap along the first vector, in a basis turned by 1 radian: f(t) -> 3 as the gap closes like 1/t, and
+    /// y = (1/(3 + |t| - 2), 1) to the first order.
+    #[test]
+    fn gaps_close_like_one_over_t() {
+        let (c, s) = (1_f64.cos(), 1_f64.sin());
+        let q = Mat::from_fn(2, 2, |i, j| [[c, -s], [s, c]][i][j]);
+        let stiffness = &q * Mat::from_fn(2, 2, |i, j| [[2.0, 1.0], [1.0, 3.0]][i][j]) * q.transpose();
+        let gaps = Mat::from_fn(1, 1, |_, _| 1.0) * Mat::from_fn(1, 2, |_, j| [c, s][j]);
+        let penalty = gaps.transpose() * &gaps;
+        for t in [1e3, 1e6, 1e9, 1e12] {
+            let y = super::largest(&stiffness, &penalty, -t, || gaps.clone());
+            let (gap, other) = (c * y[0] + s * y[1], c * y[1] - s * y[0]);
+            let part = gap / other * (t + 1.0);
+            assert!((part - 1.0).abs() < 1e-15 * t + 2.0 / t, "{t:e}: {part}");
+        }
+    }
 }

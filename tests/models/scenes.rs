@@ -1,5 +1,8 @@
 //! Small scenes of meshes.
 
+// Each test file uses its own part of this module.
+#![allow(dead_code)]
+
 use crate::numbers::Numbers;
 
 /// Two blocks of different material and mesh, the lower one held, in node-to-face contact.
