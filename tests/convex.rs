@@ -15,6 +15,8 @@ mod exact;
 mod far;
 #[path = "common/numbers.rs"]
 mod numbers;
+#[path = "convex/patches.rs"]
+mod patches;
 #[path = "common/reduced.rs"]
 mod reduced;
 #[path = "models/scenes.rs"]

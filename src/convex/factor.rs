@@ -148,16 +148,14 @@ impl Factorisation {
 
     /// The same for t < 0 with D E for D: E takes from the diagonal of D P D what it has more than that of u D M D.
     pub(super) fn prove_scaled(&self, u: f64, (a, t): (f64, f64), margin: f64, beyond: f64) -> Verdict {
-        let n = self.scaling.len();
-        let mut extra = vec![1.0; n];
-        for column in 0..n {
-            for at in self.starts[column]..self.starts[column + 1] {
-                if self.rows[at] == column {
-                    let share = 1.0 - t * self.penalty[at] / (u * self.mass[at]);
-                    extra[column] = (-0.5 * share.max(1.0).log2()).round().exp2();
-                }
-            }
-        }
+        let own = |column: usize| {
+            let mut at = self.starts[column]..self.starts[column + 1];
+            let share = at
+                .find(|at| self.rows[*at] == column)
+                .map_or(0.0, |at| -t * self.penalty[at] / (u * self.mass[at]));
+            (-0.5 * (1.0 + share.max(0.0)).log2()).round().exp2()
+        };
+        let extra: Vec<f64> = (0..self.scaling.len()).map(own).collect();
         self.prove_with(u, (a, t), margin, (beyond, |i: usize| extra[i]))
     }
 

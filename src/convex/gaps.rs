@@ -35,7 +35,7 @@ const FILL: (usize, usize) = (8, 20_000);
 /// The rows of T that differ from those of the identity.
 #[derive(Debug)]
 pub(super) struct GapUnknowns {
-    rows: HashMap<u32, Vec<(u32, f64)>>,
+    rows: HashMap<u32, Form>,
 }
 
 /// T'AT, rounded: its entries are off by no more than `unit` of those of |T|'|A||T|.
@@ -44,16 +44,19 @@ pub(super) struct Congruent {
     pub unit: f64,
 }
 
+/// Unknowns with factors.
+type Form = Vec<(u32, f64)>;
+
 /// Rows under elimination: x_s less y_s, with the place of s in the order.
 #[derive(Default)]
 struct Elimination {
     order: HashMap<u32, usize>,
-    rows: Vec<(u32, Vec<(u32, f64)>)>,
+    rows: Vec<(u32, Form)>,
 }
 
 impl Elimination {
     /// A form of x in the unknowns: what it has of those taken, by their values y, and of all others.
-    fn substituted(&self, form: &[(u32, f64)]) -> (Vec<(u32, f64)>, Vec<(u32, f64)>) {
+    fn substituted(&self, form: &[(u32, f64)]) -> (Form, Form) {
         let place = |i: u32| (self.order.get(&i).copied().unwrap_or(usize::MAX), i);
         let mut left: BTreeMap<(usize, u32), f64> = form.iter().map(|(i, z)| (place(*i), *z)).collect();
         let mut taken = Vec::new();
