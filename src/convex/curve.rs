@@ -258,20 +258,18 @@ impl<S: Source> Curve<S> {
         Ok(())
     }
 
-    /// The smallest of the values start + 1, 3.5, 12 .. times `step` that can be proven to bound l_max(a K + t P, M); of
+    /// The smallest of the values start + 1, 4, 16 .. times `step` that can be proven to bound l_max(a K + t P, M); of
     /// patches and chance, which are too high by their nature, how far is then looked for to a part of [`CLOSELY`].
     fn climb(&mut self, start: f64, combination: (f64, f64), step: f64) -> Option<f64> {
         let (least, mut step, mut margin, mut failed) = (step, step, 0.05 * step / start, 0.0);
         let mut proven = None;
         // Patches are too high by a part that varies slowly: the last one is nearly right.
-        // The second step of a sharp proof still ends below the width that is asked for, of which the first is a quarter.
-        let most = if self.source.is_sharp() { 3.5 } else { 4.0 };
-        let mut growth: f64 = most;
+        let mut growth: f64 = 4.0;
         if !self.source.is_sharp() && combination.0 != 0.0 && self.excess * start > step {
             (step, growth) = (self.excess * start, 1.0 + CLOSELY);
         }
         let mut shrink = growth;
-        // 3.5^24 > 1e13: from the last digits to the size of the value.
+        // 4^24 > 1e14: from the last digits to the size of the value.
         for _ in 0..24 {
             match self.try_to_prove(start + step, combination, margin) {
                 Verdict::Proven => {
@@ -280,7 +278,7 @@ impl<S: Source> Curve<S> {
                 }
                 Verdict::Refuted => {
                     (failed, step) = (step, growth * step);
-                    growth = (growth * growth).min(most);
+                    growth = (growth * growth).min(4.0);
                 }
                 Verdict::TooClose(needed) => {
                     // The rounding at a u that is larger by its own amount is the same to that part.

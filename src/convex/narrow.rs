@@ -74,16 +74,11 @@ impl<S: Source> Curve<S> {
         let mut lower = self.bounds(asked).lower;
         // Where m is large, t moves by powers of ten; each round takes one at least, and f64 has 308.
         for _ in 0..308 {
-            let t = asked.place(lower);
-            self.lower_at(t);
+            self.lower_at(asked.place(lower));
             let next = self.bounds(asked).lower;
-            // Where m is large, l hardly changes while t is still far off: both must have settled, or rounding moves t.
-            let moved = (t - asked.place(next)).abs();
-            let settled = moved <= 0.01 * self.unit.max(t.abs())
-                || moved <= 64.0 * f64::EPSILON * (lower * asked.mass).abs();
-            let gain = next - lower;
+            let settled = next - lower <= 0.01 * self.goal() * next.abs();
             lower = next;
-            if gain <= 0.0 || (gain <= 0.01 * self.goal() * next.abs() && settled) {
+            if settled {
                 break;
             }
         }
