@@ -32,8 +32,8 @@ impl<S: Source> Curve<S> {
     /// Encloses all points asked for, one result for each.
     ///
     /// # Errors
-    /// Of a point: its enclosure, which holds, is wider than the tolerance. Far below t = 0 the rounding of t P may be as
-    /// large as f itself; patches are too high by what they are too small.
+    /// Of a point: its enclosure, which holds, is wider than the tolerance. A proof takes n roundings of l, and far below t = 0, where
+    /// gaps make no good unknowns, of t P, which may be as large as f itself; patches are too high by what they are too small.
     pub fn enclose(&mut self, asked: &[Asked]) -> Vec<Result<Enclosed, TooWide>> {
         let tolerance = self.options.tolerance;
         self.narrow(asked).into_iter().map(|known| known.within(tolerance)).collect()

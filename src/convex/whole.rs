@@ -1,7 +1,7 @@
 //! Proofs by factorising the whole matrix: as it stands, and far below t = 0 in unknowns of which some are the gaps.
 //!
 //! For t < 0 the terms of -t P cancel in all that f(t) is made of, the modes that hold the gaps closed: as it stands a proof loses n
-//! roundings of |t| mu. In the unknowns of [`GapUnknowns`] P stands at the gaps alone. Scaled there by
+//! roundings of |t| mu. In the unknowns of `GapUnknowns` P stands at the gaps alone. Scaled there by
 //! (1 + |t| p_ss/(u m_ss))^(-1/2), the matrix has entries of size u or less, and a proof loses n roundings of u, whatever t is.
 
 use std::sync::OnceLock;

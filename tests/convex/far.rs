@@ -13,7 +13,7 @@ use crate::scenes::random_mesh;
 
 fn mesh_pencil(seed: u64) -> MeshPencil {
     let scene = MeshScene::parse(&random_mesh(seed), "m.toml").unwrap();
-    let mass = if seed % 3 == 0 { MassMatrix::CONSISTENT } else { MassMatrix::LUMPED };
+    let mass = if seed.is_multiple_of(3) { MassMatrix::CONSISTENT } else { MassMatrix::LUMPED };
     let assembled = scene.assemble(mass).unwrap();
     let gaps = assembled.gaps();
     MeshPencil::new(Matrix::Sparse(assembled.stiffness), assembled.mass, gaps).unwrap()
