@@ -13,3 +13,7 @@ mod gains;
 mod meshes;
 #[path = "impacts/random.rs"]
 mod random;
+#[path = "impacts/redistribution.rs"]
+mod redistribution;
+#[path = "impacts/statics.rs"]
+mod statics;

@@ -31,7 +31,7 @@ const MAY_NAME: [(&str, &[&str]); 19] = [
             "matrices", "convex", "damping", "parts",
         ],
     ),
-    ("schemes", &["error", "double_double", "sparse", "pencil", "spectrum", "damping"]),
+    ("schemes", &["error", "memory", "double_double", "sparse", "pencil", "spectrum", "damping"]),
     (
         "impact",
         &[

@@ -23,8 +23,6 @@ mod reference;
 mod refusals;
 #[path = "models/scenes.rs"]
 mod scenes;
-#[path = "models/statics.rs"]
-mod statics;
 #[path = "models/stepping.rs"]
 mod stepping;
 #[path = "models/transformed.rs"]

@@ -77,13 +77,6 @@ impl Elements {
         self.dofs.iter().filter(|dof| **dof != HELD).count()
     }
 
-    /// The direction of each unknown.
-    pub fn directions(&self) -> Vec<u8> {
-        // Free degrees of freedom are numbered in their order.
-        let free = self.dofs.iter().enumerate().filter(|(_, dof)| **dof != HELD);
-        free.map(|(at, _)| (at % self.dimension) as u8).collect()
-    }
-
     /// Number of elements.
     pub fn len(&self) -> usize {
         self.first[self.bodies.len()].1
@@ -178,11 +171,7 @@ impl Elements {
         let mut nodal = vec![0.0; self.first[self.bodies.len()].0];
         for (body, of) in self.bodies.iter().enumerate() {
             let nodal = &mut nodal[self.first[body].0..];
-            let diagonals = |e: usize| {
-                let mass = self.local_matrices(body, e)?.mass(of.mesh.kind(e).element(), 1.0);
-                let n = of.mesh.element(e).len();
-                Ok((0..n).map(|a| mass[a * n + a]).collect::<Vec<f64>>())
-            };
+            let diagonals = |e: usize| self.lumped_masses(body, e);
             let distinct = of.mesh.congruent.unwrap_or(of.mesh.elements());
             let computed: Vec<Vec<f64>> =
                 (0..distinct).into_par_iter().map(diagonals).collect::<Result<_, Refusal>>()?;
@@ -194,6 +183,14 @@ impl Elements {
         let d = self.dimension;
         let free = self.dofs.iter().enumerate().filter(|(_, dof)| **dof != HELD);
         Ok(free.map(|(at, _)| nodal[at / d]).collect())
+    }
+
+    /// The lumped mass of element `e` of a body at each of its nodes, kg.
+    pub(super) fn lumped_masses(&self, body: usize, e: usize) -> Result<Vec<f64>, Refusal> {
+        let mesh = &self.bodies[body].mesh;
+        let mass = self.local_matrices(body, e)?.mass(mesh.kind(e).element(), 1.0);
+        let n = mesh.element(e).len();
+        Ok((0..n).map(|a| mass[a * n + a]).collect())
     }
 
     fn assemble(&self, part: Part) -> Result<Csr, Refusal> {

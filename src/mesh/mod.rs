@@ -33,6 +33,7 @@ pub mod elasticity;
 pub mod element;
 mod file;
 pub mod gmsh;
+mod heirs;
 mod partition;
 mod row;
 mod scene;

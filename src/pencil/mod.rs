@@ -25,6 +25,7 @@ mod blocks;
 mod bounds;
 mod chain;
 mod check;
+mod heirs;
 mod matrix;
 mod penalty;
 
@@ -32,6 +33,7 @@ use std::sync::Arc;
 
 pub use bounds::Bounds;
 pub use chain::{BarRows, ChainPencil, EndGap, Scale, contact_sum};
+pub use heirs::Heirs;
 pub use matrix::{Matrix, Tridiagonal, last_pivot};
 pub use penalty::{Penalty, PenaltyMass, Terms};
 
@@ -63,8 +65,7 @@ struct Parts {
     bounds: Bounds,
     reference: f64,
     cuts: Option<chain::Cuts>,
-    /// Empty where it is not known.
-    directions: Vec<u8>,
+    heirs: Option<Heirs>,
 }
 
 impl Pencil {
@@ -110,10 +111,6 @@ impl Pencil {
         bounds: Bounds,
         reference: f64,
     ) -> Self {
-        Self(Arc::new(Self::parts(stiffness, mass, gaps, bounds, reference)))
-    }
-
-    fn parts(stiffness: Matrix, mass: Matrix, gaps: Vec<Gap>, bounds: Bounds, reference: f64) -> Parts {
         let mass = match (&stiffness, mass) {
             (Matrix::Chain(k), Matrix::Diagonal(diagonal)) => {
                 Matrix::Chain(Tridiagonal { diagonal, off_diagonal: vec![0.0; k.off_diagonal.len()] })
@@ -124,27 +121,7 @@ impl Pencil {
             (Matrix::Chain(k), Matrix::Chain(m)) => chain::Cuts::new(k, m, &gaps, bounds.stiffness),
             _ => None,
         };
-        Parts { stiffness, mass, gaps, bounds, reference, cuts, directions: Vec::new() }
-    }
-
-    /// The same pencil, of whose unknowns each is a displacement in the direction that is named here (0 for x ..).
-    ///
-    /// # Errors
-    /// Not one for each unknown.
-    pub fn moving(&self, directions: Vec<u8>) -> Result<Self, Refusal> {
-        let n = self.size();
-        if directions.len() != n {
-            let allowed = format!("{n}, one for each unknown");
-            return Err(Refusal::new("directions", format!("{} values", directions.len()), allowed));
-        }
-        let Parts { stiffness, mass, gaps, bounds, reference, .. } = &*self.0;
-        let parts = Self::parts(stiffness.clone(), mass.clone(), gaps.clone(), *bounds, *reference);
-        Ok(Self(Arc::new(Parts { directions, ..parts })))
-    }
-
-    /// The direction in which each unknown moves; empty where it is not known.
-    pub fn directions(&self) -> &[u8] {
-        &self.0.directions
+        Self(Arc::new(Parts { stiffness, mass, gaps, bounds, reference, cuts, heirs: None }))
     }
 
     /// Number of unknowns n.
@@ -185,19 +162,35 @@ impl Pencil {
 
     /// The same matrices with gaps that have been checked.
     pub(crate) fn with_gaps(&self, gaps: Vec<Gap>) -> Self {
-        self.with(self.0.mass.clone(), gaps)
+        let parts = &*self.0;
+        let (stiffness, mass) = (parts.stiffness.clone(), parts.mass.clone());
+        let pencil = Self::of_elements(stiffness, mass, gaps, parts.bounds, parts.reference);
+        // Columns do not change with g0, and with them the nodes in contact.
+        parts.heirs.clone().map_or(pencil.clone(), |heirs| pencil.with_heirs(heirs))
+    }
+
+    /// The same pencil with what its mesh knows of the nodes in contact.
+    pub(crate) fn with_heirs(self, heirs: Heirs) -> Self {
+        let parts = &*self.0;
+        Self(Arc::new(Parts {
+            stiffness: parts.stiffness.clone(),
+            mass: parts.mass.clone(),
+            gaps: parts.gaps.clone(),
+            cuts: None,
+            heirs: Some(heirs),
+            ..*parts
+        }))
+    }
+
+    /// Where the mass of nodes in contact may go, of meshes.
+    pub fn heirs(&self) -> Option<&Heirs> {
+        self.0.heirs.as_ref()
     }
 
     /// The same stiffness with another positive definite mass, and bounds that are no longer known to hold.
     pub(crate) fn with_mass(&self, mass: Matrix) -> Self {
-        self.with(mass, self.0.gaps.clone())
-    }
-
-    fn with(&self, mass: Matrix, gaps: Vec<Gap>) -> Self {
-        let Parts { stiffness, bounds, reference, directions, .. } = &*self.0;
-        let mut parts = Self::parts(stiffness.clone(), mass, gaps, *bounds, *reference);
-        parts.directions.clone_from(directions);
-        Self(Arc::new(parts))
+        let parts = &*self.0;
+        Self::of_elements(parts.stiffness.clone(), mass, parts.gaps.clone(), parts.bounds, parts.reference)
     }
 
     /// The pencil as a row of bars, if it is one.

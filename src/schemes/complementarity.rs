@@ -42,16 +42,25 @@ impl Complementarity {
         let apart = share == 0.0 || contacts.act_apart();
         let entry =
             |i: usize, j: usize| if i == j { diagonal[i] } else { share * contacts.compliance_between(i, j) };
-        let matrix = (!apart).then(|| Mat::from_fn(k, k, entry));
-        Self { diagonal, coupled: matrix.map(Coupled::new) }
+        let coupled = (!apart).then(|| Coupled::new(Mat::from_fn(k, k, entry)));
+        Self { diagonal, coupled }
     }
 
-    /// For any symmetric positive definite matrix in place of a G + E.
-    pub fn of(matrix: Mat<f64>) -> Self {
+    /// For a symmetric positive definite matrix in place of a G + E; `None` if it is not definite.
+    pub fn of(matrix: Mat<f64>) -> Option<Self> {
         let k = matrix.nrows();
-        let apart = (0..k).all(|i| (0..i).all(|j| matrix[(i, j)] == 0.0));
-        let diagonal = (0..k).map(|j| matrix[(j, j)]).collect();
-        Self { diagonal, coupled: (!apart).then(|| Coupled::new(matrix)) }
+        let diagonal: Vec<f64> = (0..k).map(|j| matrix[(j, j)]).collect();
+        if (0..k).all(|i| (0..i).all(|j| matrix[(i, j)] == 0.0)) {
+            return diagonal.iter().all(|entry| *entry > 0.0).then_some(Self { diagonal, coupled: None });
+        }
+        let scale: Vec<f64> = diagonal.iter().map(|entry| entry.sqrt()).collect();
+        let rounding = 4.0 * f64::EPSILON * k as f64;
+        let entry = |i: usize, j: usize| match i == j {
+            true => 1.0 - rounding,
+            false => matrix[(i, j)] / (scale[i] * scale[j]),
+        };
+        Llt::new(Mat::from_fn(k, k, entry).as_ref(), Side::Lower).ok()?;
+        Some(Self { diagonal, coupled: Some(Coupled::new(matrix)) })
     }
 
     /// lambda, N, for b = `demand`; 0 for contacts that do not `count`.
@@ -82,7 +91,8 @@ impl Complementarity {
 
 impl Coupled {
     fn new(matrix: Mat<f64>) -> Self {
-        Self { active: vec![false; matrix.nrows()], matrix, factored: Vec::new(), factor: None }
+        let active = vec![false; matrix.nrows()];
+        Self { matrix, active, factored: Vec::new(), factor: None }
     }
 
     fn push(&mut self, demand: &[f64], count: &[bool], lambda: &mut [f64]) {

@@ -5,7 +5,7 @@
 //! [`Body`], [`State`], [`Operator`] and [`Contacts`] are what they share, and what a scheme of one's own is made of.
 //! Beside the schemes of the paper there are [`Buffered`], central differences whose contact mass pays for what it takes, and
 //! schemes without penalty: [`Lagrange`], [`MoreauJean`], [`PaoliSchatzman`], [`MassRedistribution`]. All but the last share
-//! `impulses`.
+//! `impulses`; the last solves at each step what [`StaticContact`] solves for bodies at rest.
 //! Sources: Kolman, Kopačka, González, Cho, Park, Math. Comput. Simulat. 189 (2021), 4.3 to 4.5 ("the paper"); Park, Lim,
 //! Huh, Int. J. Numer. Meth. Eng. 91 (2012); Cho, Park, Huh, Comput. Mech. 52 (2013).
 //!
@@ -25,8 +25,8 @@ mod complementarity;
 mod contact;
 mod damped;
 mod energy;
-mod equilibrium;
 pub mod explicit;
+mod flexible;
 mod impulses;
 mod inertia;
 mod kernels;
@@ -42,6 +42,7 @@ mod predictor_corrector;
 mod rigid;
 mod rows;
 mod state;
+mod statics;
 mod twisted;
 
 use std::fmt::Debug;
@@ -52,7 +53,6 @@ pub use central_difference::CentralDifference;
 pub use contact::Contacts;
 pub use damped::{DampedBound, DampedCentralDifference, DampedPredictorCorrector, damped, damped_limit};
 pub use energy::Energy;
-pub use equilibrium::Equilibrium;
 pub use lagrange::Lagrange;
 pub use mass_redistribution::MassRedistribution;
 pub use moreau_jean::MoreauJean;
@@ -62,6 +62,7 @@ pub use paoli_schatzman::PaoliSchatzman;
 pub use park::{Fractions, Park};
 pub use predictor_corrector::{ClosedLimit, PredictorCorrector};
 pub use state::{ContactRule, State};
+pub use statics::{Equilibrium, StaticContact};
 
 use crate::error::Refusal;
 use crate::pencil::Pencil;

@@ -1,42 +1,64 @@
-//! M' of a pencil: which unknowns lose their mass, and which take it.
+//! M' of a pencil, and the unknowns that have none.
 
 use crate::error::Refusal;
-use crate::pencil::{Matrix, Pencil, Tridiagonal};
-use crate::sparse::Csr;
+use crate::pencil::{Heirs, Matrix, Pencil, Tridiagonal};
+use crate::sparse::{Csr, SparseVector};
 
-/// The unknowns of the contacts, ascending.
-pub(super) fn massless(pencil: &Pencil) -> Vec<usize> {
-    let mut found: Vec<usize> =
-        pencil.gaps().iter().flat_map(|gap| gap.column.0.iter().map(|(i, _)| *i as usize)).collect();
-    found.sort_unstable();
-    found.dedup();
-    found
+/// The unknowns without mass and who takes it over: as the mesh tells, or the matrices.
+pub(super) fn heirs(pencil: &Pencil) -> Result<Heirs, Refusal> {
+    let heirs = pencil.heirs().cloned().map_or_else(|| told_by_springs(pencil), Ok)?;
+    match heirs.0.iter().find(|(_, shares)| shares.0.is_empty()) {
+        Some((unknown, _)) => Err(refusal(*unknown, "with no node beside it that carries no gap")),
+        None => Ok(heirs),
+    }
+}
+
+/// Matrices of one direction: every unknown is a node, and its springs are the negative entries of its row. The mass goes
+/// along them, in proportion to their stiffness.
+fn told_by_springs(pencil: &Pencil) -> Result<Heirs, Refusal> {
+    let k = pencil.stiffness();
+    let mut touched: Vec<u32> = pencil.gaps().iter().flat_map(|gap| &gap.column.0).map(|(i, _)| *i).collect();
+    touched.sort_unstable();
+    touched.dedup();
+    let of = |unknown: &u32| {
+        let i = *unknown as usize;
+        let springs = || k.row(i).filter(move |(j, k)| *j != i && *k != 0.0);
+        if springs().any(|(_, k)| k > 0.0) {
+            return Err(refusal(*unknown, "whose row does not tell its neighbours"));
+        }
+        let free = springs().filter(|(j, _)| touched.binary_search(&(*j as u32)).is_err());
+        let free: Vec<(u32, f64)> = free.map(|(j, k)| (j as u32, k)).collect();
+        let sum: f64 = free.iter().map(|(_, k)| k).sum();
+        Ok((*unknown, SparseVector(free.into_iter().map(|(j, k)| (j, k / sum)).collect())))
+    };
+    touched.iter().map(of).collect::<Result<_, _>>().map(Heirs)
+}
+
+fn refusal(unknown: u32, what: &str) -> Refusal {
+    let allowed = "scenes of [[body]], or matrices of one direction, K_ij <= 0 in the rows of contacts; beside each node that \
+                   carries a gap one that carries none";
+    Refusal::new("mass redistribution", format!("unknown {unknown} {what}"), allowed)
 }
 
 /// The pencil with M' in place of M; massless unknowns have 1 kg there, which nothing may use.
-pub(super) fn redistributed(pencil: &Pencil, massless: &[usize]) -> Result<Pencil, Refusal> {
+pub(super) fn redistributed(pencil: &Pencil, heirs: &Heirs) -> Result<Pencil, Refusal> {
     let (n, mass) = (pencil.size(), pencil.mass());
     let mut removed = vec![false; n];
-    massless.iter().for_each(|i| removed[*i] = true);
-    let mut own: Vec<f64> = (0..n).map(|i| mass.diagonal(i)).collect();
-    for i in massless {
-        // What it has, what it shares with one that keeps its mass, twice, and half of what it shares with one that does not:
-        // z'Mz of a translation z keeps its value.
-        let beside = mass.row(*i).filter(|(j, _)| j != i);
-        let beside: f64 = beside.map(|(j, m)| if removed[j] { m } else { 2.0 * m }).sum();
-        let (total, takers) = (mass.diagonal(*i) + beside, takers(pencil, &removed, *i)?);
-        // As consistent masses of elements of second order have it.
-        if total <= 0.0 {
-            let allowed = "a lumped mass, or elements of first order";
-            return Err(Refusal::new(
-                "mass redistribution",
-                format!("unknown {i} with {total:e} kg"),
-                allowed,
-            ));
-        }
-        takers.iter().for_each(|j| own[*j] += total / takers.len() as f64);
+    heirs.0.iter().for_each(|(i, _)| removed[*i as usize] = true);
+    let mut gained = vec![0.0; n];
+    for (unknown, shares) in &heirs.0 {
+        let i = *unknown as usize;
+        // What the node has and shares: 1'M 1 keeps its value.
+        let part = |(j, m): (usize, f64)| if removed[j] { m } else { 2.0 * m };
+        let total: f64 = mass.row(i).map(part).sum();
+        shares.0.iter().for_each(|(j, share)| gained[*j as usize] += share * total);
     }
-    massless.iter().for_each(|i| own[*i] = 1.0);
+    if let Some(j) = (0..n).find(|j| gained[*j] < 0.0) {
+        let value = format!("unknown {j} would lose {:e} kg", -gained[j]);
+        let allowed = "lumped mass, or elements whose consistent mass leaves what they lend not negative";
+        return Err(Refusal::new("mass redistribution", value, allowed));
+    }
+    let own: Vec<f64> = (0..n).map(|i| if removed[i] { 1.0 } else { mass.diagonal(i) + gained[i] }).collect();
     let kept = |i: usize, j: usize| !removed[i] && !removed[j];
     let mass = match mass {
         Matrix::Diagonal(_) => Matrix::Diagonal(own),
@@ -53,36 +75,4 @@ pub(super) fn redistributed(pencil: &Pencil, massless: &[usize]) -> Result<Penci
         }
     };
     Ok(pencil.with_mass(mass))
-}
-
-/// The nearest unknowns with mass that move in the direction of `start`: those of the nodes that share an element with its node, or
-/// if all these are massless, with one of them.
-fn takers(pencil: &Pencil, removed: &[bool], start: usize) -> Result<Vec<usize>, Refusal> {
-    let (k, directions) = (pencil.stiffness(), pencil.directions());
-    let refused = |i: usize, what: &str| {
-        let allowed = "a mesh or bars, with a node inside the body for each node in contact";
-        Refusal::new("mass redistribution", format!("unknown {i} {what}"), allowed)
-    };
-    let (mut seen, mut edge) = (vec![start], vec![start]);
-    while !edge.is_empty() {
-        let mut next = Vec::new();
-        for i in edge {
-            for (j, stiffness) in k.row(i).filter(|(j, stiffness)| *j != i && *stiffness != 0.0) {
-                if directions.is_empty() && stiffness > 0.0 {
-                    return Err(refused(i, "moves in a direction that is not known"));
-                }
-                let aside = !directions.is_empty() && directions[i] != directions[j];
-                if !aside && !seen.contains(&j) {
-                    seen.push(j);
-                    next.push(j);
-                }
-            }
-        }
-        let inside: Vec<usize> = next.iter().copied().filter(|j| !removed[*j]).collect();
-        if !inside.is_empty() {
-            return Ok(inside);
-        }
-        edge = next;
-    }
-    Err(refused(start, "with no mass inside the body in its direction"))
 }

@@ -1,21 +1,34 @@
 //! Central differences with no mass at the contact: the mass redistribution method (Khenous, Laborde, Renard, Eur. J. Mech.
 //! A 27, 2008; semi-explicit as in Doyen, Ern, Piperno, SIAM J. Sci. Comput. 33, 2011).
 //!
-//! The mass of the contact unknowns goes to their neighbours in the body that move in the same direction, in equal parts: no mass is
-//! negative, and the whole keeps its mass (not its centre, which moves by less than an element). What is left of a contact
-//! unknown are springs: at each step it is where forces balance, and the reaction is found with it ([`super::Equilibrium`]),
+//! The mass of the contact nodes goes to their neighbours in the body, so that the whole keeps its mass. What is left of a
+//! contact node is a spring: at each step it is where forces balance, and the reaction is found with it,
 //!
 //! ```text
-//! M' a = f - K u - Z lambda      in rows of contact unknowns 0 = f - K u - Z lambda      0 <= lambda   perpendicular to   g_n <= 0
+//! M' a = f - K u - Z lambda      in its rows of contact nodes 0 = f - K u - Z lambda      0 <= lambda   perpendicular to   g_n <= 0
 //! ```
-//! No penalty. The inner unknowns see a potential that is convex and has a continuous slope, the minimum over the contact
-//! unknowns of u'Ku/2 - f'u: nothing jumps when a contact opens or closes. Its second derivative is at most K of the inner
-//! unknowns, and M' >= M there, so that the contact-free step of (K, M) is stable with contacts held open or closed; that
-//! opening and closing gains nothing is not proven.
+//! No penalty. All unknowns of a node that carries a gap are massless; of a contact of a node with a face the nodes of both
+//! sides. K_cc, their block of K, is constant: one sparse Cholesky factorisation, then two solves and one complementarity
+//! problem of W = Z_c'K_cc^-1 Z_c a step.
 //!
-//! Offered for bars and meshes, whose directions are known; of other matrices where no entry beside the diagonal of the rows in
-//! question is positive, which one direction has; not for consistent masses of elements of second order, whose corners would give away
-//! less than nothing. The flexibility of the contacts is a full matrix of their number.
+//! *Who takes the mass over.* Element by element of a mesh: what a lumped element has at massless nodes goes to its other nodes in
+//! proportion to what they have of it, in each direction for itself. Bars, and other matrices of one direction (no positive
+//! entry beside the diagonal of a contact row): to the neighbours in proportion to their springs. A node whose elements have no
+//! other node, as in a single layer between two contacts, is refused. Of a mass matrix that is not diagonal the node gives what it has
+//! and what it shares, so that 1'M 1 keeps its value; where that would make a node lighter (consistent mass of tri6 and tet10) it is
+//! refused.
+//!
+//! *Proven.* In each direction the mass of a body without what supports hold stays the same: the shares of a node sum to 1. M' >= M on
+//! the inner nodes, since none of them loses mass (checked), and M there is a principal block, so that M' is definite. The centre of
+//! mass moves: contact nodes lie at the outside of their elements, and no masses >= 0 added inside keep their first moments.
+//! The distance is at most the size of these elements times their share of the mass.
+//! The inner nodes see a potential that is convex and has a continuous slope, the least of u'Ku/2 - f'u over all contact nodes
+//! in no penetration: nothing jumps when a contact opens or closes. Where its second derivative exists it is at most K of the
+//! inner nodes, as the contact nodes may also stay where they are, held closed too; with M' >= M the contact-free step of (K, M) is stable with
+//! contacts held open or closed, by interlacing. That opening and closing gains nothing is not proven.
+//!
+//! *Refused* too: massless nodes that could move without a force, as the two of a triangle about the third, and contacts that are
+//! one and the same.
 
 mod mass;
 mod motion;

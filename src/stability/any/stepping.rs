@@ -17,14 +17,15 @@ impl MeshModel {
         let diagonal = self.pencil().mass_diagonal();
         let reference = self.reference()?;
         let own = Bounds::of_lumped(stiffness, diagonal).stiffness;
+        let heirs = self.mesh().map(|elements| elements.heirs(gaps)).transpose()?;
         let pencil = |q: f64, rows: f64| {
             let bounds = Bounds { stiffness: own * q, mass: (rows * q).max(1.0) };
-            Pencil::new(stiffness.clone(), mass.clone(), gaps.to_vec(), bounds, reference).and_then(
-                |pencil| match self.mesh() {
-                    Some(elements) => pencil.at_rest().moving(elements.directions()),
-                    None => Ok(pencil.at_rest()),
-                },
-            )
+            let pencil =
+                Pencil::new(stiffness.clone(), mass.clone(), gaps.to_vec(), bounds, reference)?.at_rest();
+            Ok(match &heirs {
+                Some(heirs) => pencil.with_heirs(heirs.clone()),
+                None => pencil,
+            })
         };
         if mass.is_diagonal() {
             return pencil(1.0, 1.0);
