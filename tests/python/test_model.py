@@ -64,6 +64,7 @@ def test_scene_from_name_path_and_text(tmp_path):
         (lambda m: m.critical_step(1.0, 0.0), ["r: 0", "positive"]),
         (lambda m: m.critical_step(1e300, 1.0), ["beta_s"]),
         (lambda m: m.critical_step(1.0, limit="newmark"), ["limit", "newmark", "park"]),
+        (lambda m: m.critical_step(1.0, limit="central_difference"), ["did you mean central-difference?"]),
         (lambda m: m.critical_step(1.0, engine="arpack"), ["engine", "arpack", "sturm"]),
         (lambda m: m.critical_step(1.0, engine="dense", limit="park"), ["engine", "dense", "auto"]),
         (lambda m: m.critical_step(1.0, theta=0.5), ["theta", "0.5"]),

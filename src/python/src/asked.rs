@@ -51,7 +51,7 @@ fn limit_of(
         let names = SchemeName::ALL.map(SchemeName::name).into_iter();
         let names: Vec<&str> = names.chain(ExplicitName::ALL.map(ExplicitName::name)).collect();
         let allowed = format!("{spectrum}, {}", names.join(", "));
-        return Err(Refusal::new("limit", format!("{limit:?}"), allowed));
+        return Err(Refusal::new("limit", format!("{limit:?}"), allowed).suggesting(limit, names));
     }
     if let Some(theta) = theta.filter(|_| scheme != Some(SchemeName::Park)) {
         return Err(Refusal::new("theta", theta, format!("none with the limit {limit}, or park")));

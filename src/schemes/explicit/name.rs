@@ -53,6 +53,8 @@ impl FromStr for ExplicitName {
     fn from_str(text: &str) -> Result<Self, Refusal> {
         let names = || Self::ALL.map(Self::name).join(", ");
         let found = Self::ALL.into_iter().find(|scheme| scheme.name() == text);
-        found.ok_or_else(|| Refusal::new("limit", format!("{text:?}"), names()))
+        found.ok_or_else(|| {
+            Refusal::new("limit", format!("{text:?}"), names()).suggesting(text, Self::ALL.map(Self::name))
+        })
     }
 }
