@@ -136,6 +136,24 @@ impl Factorisation {
         self.symbolic.len_val() * size_of::<f64>()
     }
 
+    /// Multiplications of a factorisation: the sum of the squares of the columns' entries.
+    pub fn operations(&self) -> f64 {
+        let squares = |columns: usize, below: usize| -> f64 {
+            (1..=columns).map(|own| ((own + below) as f64).powi(2)).sum()
+        };
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(raw) => {
+                raw.col_ptr().windows(2).map(|ends| squares(1, ends[1] - ends[0] - 1)).sum()
+            }
+            SymbolicCholeskyRaw::Supernodal(raw) => {
+                let below = raw.col_ptr_for_row_idx().windows(2).map(|ends| ends[1] - ends[0]);
+                let own =
+                    raw.supernode_begin().iter().zip(raw.supernode_end()).map(|(begin, end)| end - begin);
+                own.zip(below).map(|(own, below)| squares(own, below)).sum()
+            }
+        }
+    }
+
     /// Whether u M - a K - t P is positive semidefinite; `margin` is the part of u that rounding may use.
     pub fn prove(&self, u: f64, a: f64, t: f64, margin: f64) -> Verdict {
         self.prove_beyond(u, (a, t), margin, 0.0)

@@ -49,6 +49,11 @@ impl Whole {
         self.plain.memory()
     }
 
+    /// Multiplications of a proof.
+    pub fn operations(&self) -> f64 {
+        self.plain.operations()
+    }
+
     /// Whether u M - a K - t P is positive semidefinite; `margin` is the part of u that rounding may use.
     pub(super) fn prove(&self, u: f64, (a, t): (f64, f64), margin: f64) -> Verdict {
         let far = t < 0.0 && self.plain.penalty_rounding(t) > SHARE * margin * u;

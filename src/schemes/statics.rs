@@ -17,13 +17,13 @@ use crate::pencil::Pencil;
 /// use bipenalty::pencil::{Bounds, Gap, Matrix, Pencil};
 /// use bipenalty::schemes::StaticContact;
 /// use bipenalty::sparse::{Csr, SparseVector};
-/// // A spring of 3 N/m, 0.5 m from a wall, pulled with 2 N: the wall takes 2 - 3 * 0.5.
+/// // A spring of 4 N/m, 0.5 m from a wall, pulled with 3 N: the wall takes 3 - 4 * 0.5.
 /// let gap = Gap { column: SparseVector(vec![(0, 1.0)]), scale: 1.0, initial: -0.5 };
-/// let bounds = Bounds { stiffness: 3.0, mass: 1.0 };
-/// let k = Matrix::Sparse(Csr::from_triplets(1, 1, &[(0, 0, 3.0)]));
-/// let pencil = Pencil::new(k, Matrix::Diagonal(vec![1.0]), vec![gap], bounds, 3.0)?;
-/// let rest = StaticContact::new(&pencil)?.solve(&[2.0], &[])?;
-/// assert_eq!((rest.displacement[0], rest.force[0], rest.gap[0]), (0.5, 0.5, 0.0));
+/// let bounds = Bounds { stiffness: 4.0, mass: 1.0 };
+/// let k = Matrix::Sparse(Csr::from_triplets(1, 1, &[(0, 0, 4.0)]));
+/// let pencil = Pencil::new(k, Matrix::Diagonal(vec![1.0]), vec![gap], bounds, 4.0)?;
+/// let rest = StaticContact::new(&pencil)?.solve(&[3.0], &[])?;
+/// assert_eq!((rest.displacement[0], rest.force[0], rest.gap[0]), (0.5, 1.0, 0.0));
 /// # Ok::<(), bipenalty::error::Refusal>(())
 /// ```
 #[derive(Debug, Clone)]

@@ -366,4 +366,17 @@ fn the_plan_groups_mass_matrices_and_tells_time_and_memory() {
         plan.contains("MB of memory for the records, about ") && plan.contains(" s of one core"),
         "{plan}"
     );
+    // Of a mesh that is factorised, too; patches were not timed.
+    let plan = |more: &str| {
+        let blocks = "/analyses/scenes/two-blocks.toml";
+        run(
+            &scratch,
+            &format!("{}{blocks} {more} --explain", env!("CARGO_MANIFEST_DIR").trim_end_matches("/analyses")),
+        )
+        .succeeded()
+    };
+    assert!(
+        unwrapped(&plan("")).contains(" s of one core")
+            && !unwrapped(&plan("--patch 2")).contains(" s of one core")
+    );
 }

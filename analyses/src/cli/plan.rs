@@ -6,7 +6,7 @@ use bipenalty::penalty::PenaltyMass;
 use bipenalty::scene::End;
 use bipenalty::schemes::SchemeName;
 use bipenalty::schemes::explicit::{ExplicitFacts, ExplicitScheme};
-use bipenalty::stability::{AnyModel, EngineName, Grid, LimitOf, Model, Prover};
+use bipenalty::stability::{AnyModel, EngineName, Grid, LimitOf, Model, Plan, Prover};
 
 /// The plan for `model` over `grid`: engine, cost of a point, and what is left out and why.
 ///
@@ -27,10 +27,12 @@ pub fn explain(model: &AnyModel, limit: &LimitOptions, grid: &Grid) -> Result<In
     })
 }
 
-/// What `points` limits of bars take one core, s, by the times of `work-precision` on a machine of 2025; `None` where they were
-/// not timed.
+/// What `points` limits take one core, s, by the times of `work-precision` on a machine of 2025, and what a mesh takes whose matrix is
+/// factorised, to a factor of 2; `None` where they were not timed.
 pub(super) fn seconds_of(model: &AnyModel, limit: &LimitOptions, points: usize) -> Option<f64> {
-    let AnyModel::Bars(model) = model else { return None };
+    let AnyModel::Bars(model) = model else {
+        return seconds_of_mesh(&model.plan(points, &limit.asking().ok()?).ok()?);
+    };
     if limit.limit.scheme().is_some() || model.scales().len() > 1 {
         return None;
     }
@@ -42,6 +44,17 @@ pub(super) fn seconds_of(model: &AnyModel, limit: &LimitOptions, points: usize) 
         _ => return None,
     };
     Some(each * points as f64)
+}
+
+fn seconds_of_mesh(plan: &Plan) -> Option<f64> {
+    /// A multiplication of a factorisation, s, and a product with K, s for each of its entries.
+    const MULTIPLICATION: f64 = 1e-10;
+    const ENTRY: f64 = 1e-9;
+    /// Products of an eigenproblem, and what its other vectors take in products.
+    const PRODUCTS: f64 = 100.0;
+    let (operations, entries) = plan.work.filter(|_| plan.flexibilities == 0)?;
+    let eigenproblem = PRODUCTS * ENTRY * entries as f64;
+    Some(plan.proofs as f64 * operations * MULTIPLICATION + plan.eigenproblems as f64 * eigenproblem)
 }
 
 /// How much larger a step a scheme stands than central differences, and what it pays for it.

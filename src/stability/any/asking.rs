@@ -164,6 +164,8 @@ pub struct Plan {
     pub proofs: usize,
     /// About how many flexibilities of all contacts are computed; 0 where the limit takes none.
     pub flexibilities: usize,
+    /// Multiplications of one proof, and entries of K; `None` unless a whole matrix is factorised.
+    pub work: Option<(f64, usize)>,
     /// Bytes that it takes at most: the matrices, the vectors and one factor; `None` where nothing is assembled.
     pub memory: Option<u64>,
 }

@@ -281,6 +281,10 @@ impl MeshModel {
             points,
             tolerance: Some(width),
             engine: super::curve::engine(&prover),
+            work: match (&prover, self.pencil.stiffness()) {
+                (convex::Prover::Whole(whole), Matrix::Sparse(k)) => Some((whole.operations(), k.len())),
+                _ => None,
+            },
             memory: Some(self.bytes(&prover)),
             prover: Some(named),
             eigenproblems,

@@ -219,6 +219,7 @@ impl AnyModel {
                     eigenproblems: points,
                     proofs: points,
                     flexibilities: 0,
+                    work: None,
                     memory: needs_pencil.then(|| pencil_bytes(model.scene())),
                 })
             }
