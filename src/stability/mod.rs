@@ -35,7 +35,7 @@ mod optimal_ratio;
 mod uniform_bar;
 
 pub use any::{
-    AnyModel, AnyScene, Asking, ContactShare, Governing, Largest, LimitOf, MeshModel, Plan, Prover,
+    AnyModel, AnyScene, Asking, ContactShare, Governing, Largest, LimitOf, MeshModel, Plan, Prover, Work,
     eigenvalue, with_limit,
 };
 pub use auto::Auto;

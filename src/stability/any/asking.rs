@@ -141,6 +141,17 @@ pub enum Prover {
     },
 }
 
+/// What a whole matrix takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Work {
+    /// Multiplications of a factorisation.
+    pub operations: f64,
+    /// Entries of the factor.
+    pub factor: usize,
+    /// Entries of K.
+    pub stiffness: usize,
+}
+
 /// What will be computed for an [`Asking`] and a number of points, before it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
@@ -164,8 +175,8 @@ pub struct Plan {
     pub proofs: usize,
     /// About how many flexibilities of all contacts are computed; 0 where the limit takes none.
     pub flexibilities: usize,
-    /// Multiplications of one proof, and entries of K; `None` unless a whole matrix is factorised.
-    pub work: Option<(f64, usize)>,
+    /// What one proof and one product take; `None` unless a whole matrix is factorised.
+    pub work: Option<Work>,
     /// Bytes that it takes at most: the matrices, the vectors and one factor; `None` where nothing is assembled.
     pub memory: Option<u64>,
 }

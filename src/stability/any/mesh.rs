@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::asking::{Asking, LimitOf, Plan};
+use super::asking::{Asking, LimitOf, Plan, Work};
 use crate::convex::{self, Curve, Flexibilities, MeshPencil, Options, Start};
 use crate::error::{Refusal, Result};
 use crate::fem::MassMatrix;
@@ -282,7 +282,11 @@ impl MeshModel {
             tolerance: Some(width),
             engine: super::curve::engine(&prover),
             work: match (&prover, self.pencil.stiffness()) {
-                (convex::Prover::Whole(whole), Matrix::Sparse(k)) => Some((whole.operations(), k.len())),
+                (convex::Prover::Whole(whole), Matrix::Sparse(k)) => Some(Work {
+                    operations: whole.operations(),
+                    factor: whole.memory() / size_of::<f64>(),
+                    stiffness: k.len(),
+                }),
                 _ => None,
             },
             memory: Some(self.bytes(&prover)),

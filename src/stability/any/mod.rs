@@ -12,7 +12,7 @@ mod scene;
 mod stepping;
 mod transformed;
 
-pub use asking::{Asking, LimitOf, Plan, Prover};
+pub use asking::{Asking, LimitOf, Plan, Prover, Work};
 pub use governing::{ContactShare, Governing};
 pub use largest::{Largest, eigenvalue};
 pub use mesh::MeshModel;
