@@ -49,8 +49,9 @@ impl MeshModel {
     fn spectrum(&self, grid: &Grid, asking: &Asking, reference: f64) -> Result<Found, Refusal> {
         let asked: Vec<Asked> = pairs(grid).map(|(r, b)| Asked::of(b.get(), r.get(), reference)).collect();
         self.with_curve(asking, |curve| {
-            let (width, error) = (asking.width(asked.len()), self.reference_error(curve));
-            let found = curve.enclose_to(&asked, (width - error).max(0.5 * width));
+            let width = asking.width(asked.len());
+            let error = self.counted_error(curve, 0.5 * width);
+            let found = curve.enclose_to(&asked, width - error);
             let prover = curve.prover();
             let point = |(asked, found): (&Asked, Result<Enclosed, TooWide>)| {
                 let step = step(found, asking, prover)?;
@@ -58,11 +59,6 @@ impl MeshModel {
                 // lies at l (1 + e) or above.
                 let more = if asked.mass > 0.0 { error } else { 0.0 };
                 let l = Enclosure { upper: step.l.upper * (1.0 + more), ..step.l };
-                // Half of `more`, and half of the error again in units of the reference.
-                let total = (l.upper / l.lower).sqrt() * (1.0 + 0.5 * error) - 1.0;
-                if error > 0.5 * width && total > width {
-                    return Err(uncertified(Enclosed { lower: l.lower, upper: l.upper * (1.0 + error) }));
-                }
                 Ok(Step { l, ..step })
             };
             let steps = asked.iter().zip(found).map(point).collect();
@@ -81,9 +77,10 @@ impl MeshModel {
     ) -> Result<Found, Refusal> {
         let asked: Vec<Asked> = pairs(grid).map(|(r, b)| Asked::of(b.get(), r.get(), reference)).collect();
         self.with_curve(asking, |curve| {
-            let (width, error) = (asking.width(asked.len()), self.reference_error(curve));
+            let width = asking.width(asked.len());
+            let error = self.counted_error(curve, 0.25 * width);
             // The step of a search is up to twice as wide as those of its problems.
-            let narrow = (0.5 * width - error).max(0.25 * width);
+            let narrow = 0.5 * width - error;
             let found = enclose_damped((self.pencil(), &mut *curve), damping, &asked, narrow);
             let prover = curve.prover();
             let point = |(asked, found): (&Asked, Result<Step, TooWide>)| {

@@ -148,7 +148,8 @@ impl MeshModel {
 
     /// omega_ref^2, rad^2/s^2: as given, or l_max(K, M) as computed, a lower bound of it. The same number whatever else is
     /// asked. Where the whole matrix is factorised, each enclosure is wide enough for the rest, some 1e-11, so that it holds
-    /// for l_max(K, M) itself; patches prove it only as closely as they are large, and their enclosures hold for the number.
+    /// for l_max(K, M) itself. Enclosures hold for the number alone where more than half of their width would be left: by patches, which
+    /// prove it only as closely as they are large, and where two modes are nearer to each other than a vector tells, some 1e-9.
     ///
     /// # Errors
     /// A mass that is not positive definite; a factor of it that does not fit into memory; a stiffness that resists nothing.
@@ -171,6 +172,12 @@ impl MeshModel {
     /// How far the reference of a mesh may lie above the number, relative.
     pub(super) fn reference_error(&self, curve: &Curve) -> f64 {
         if self.given.is_some() { 0.0 } else { curve.mesh_error() }
+    }
+
+    /// The same where a width has room for it; else enclosures hold for the number, as those by patches do. Half of it widens l, and half
+    /// of it C_r.
+    pub(super) fn counted_error(&self, curve: &Curve, room: f64) -> f64 {
+        Some(self.reference_error(curve)).filter(|error| *error <= room).unwrap_or(0.0)
     }
 
     /// Refuses what does not apply.
