@@ -8,7 +8,6 @@ from pathlib import Path
 import bipenalty as bp
 import numpy as np
 import pytest
-from scipy.io import mmwrite
 
 ROOT = Path(__file__).parents[2]
 # Fifty points.
@@ -87,6 +86,8 @@ scales = "w.mtx"
 
 def write_scenes(folder, cells=("[6, 4]", "[5, 3]")):
     """Write a scene of a mesh and one of its matrices, and return their paths by name."""
+    from scipy.io import mmwrite  # where tests run with the system's packages there is none
+
     mesh = SCENES["mesh"].replace("[6, 4]", cells[0]).replace("[5, 3]", cells[1])
     *matrices, w = bp.Model.from_scene(mesh).matrices()
     for name, matrix in zip("KMZw", [*matrices, w[:, np.newaxis]], strict=True):
