@@ -8,22 +8,23 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Every module with the modules it may name. What is not listed here may not exist.
-const MAY_NAME: [(&str, &[&str]); 19] = [
+const MAY_NAME: [(&str, &[&str]); 20] = [
     ("error", &[]),
     ("memory", &["error"]),
     ("interrupt", &[]),
     ("scene", &["error"]),
     ("fem", &["error", "scene", "sparse", "pencil"]),
-    ("pencil", &["error", "sparse"]),
+    ("pencil", &["error", "sparse", "symmetric"]),
     ("sparse", &["double_double"]),
     ("double_double", &[]),
+    ("symmetric", &[]),
     ("mesh", &["error", "memory", "interrupt", "scene", "fem", "sparse", "pencil"]),
     ("matrices", &["error", "scene", "sparse", "pencil"]),
-    ("convex", &["error", "interrupt", "double_double", "sparse", "pencil"]),
+    ("convex", &["error", "interrupt", "double_double", "sparse", "symmetric", "pencil"]),
     ("damping", &["error", "pencil", "spectrum", "convex"]),
     ("parts", &["error", "memory", "fem", "sparse", "pencil", "mesh", "convex"]),
     ("penalty", &["error", "pencil"]),
-    ("spectrum", &["error", "double_double", "sparse", "pencil"]),
+    ("spectrum", &["error", "double_double", "sparse", "symmetric", "pencil"]),
     (
         "stability", // of any scene, and the limits of schemes
         &[
@@ -31,7 +32,10 @@ const MAY_NAME: [(&str, &[&str]); 19] = [
             "matrices", "convex", "damping", "parts",
         ],
     ),
-    ("schemes", &["error", "memory", "double_double", "sparse", "pencil", "spectrum", "damping"]),
+    (
+        "schemes",
+        &["error", "memory", "double_double", "sparse", "symmetric", "pencil", "spectrum", "damping"],
+    ),
     (
         "impact",
         &[

@@ -1,9 +1,9 @@
 //! Small symmetric matrices, of the size of the contacts, whose signs are proven.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::Mat;
 
 use super::factor::rounding;
+use crate::symmetric::Cholesky;
 
 /// A symmetric matrix A of k rows, and e with |y'(A - exact) y| <= sum e_i y_i^2 for every y.
 #[derive(Debug, Clone)]
@@ -69,7 +69,7 @@ impl Form {
             let value = self.entries[i * k + j] * scaling[i] * scaling[j];
             if i == j { value - (self.error[i] * scaling[i] * scaling[i] + shift) * ABOVE } else { value }
         };
-        let factor = Mat::from_fn(k, k, entry).llt(Side::Lower).ok()?;
+        let factor = Cholesky::new(Mat::from_fn(k, k, entry))?;
         Some(Definite { factor, scaling })
     }
 }
@@ -79,7 +79,7 @@ const ABOVE: f64 = 1.0 + 8.0 * f64::EPSILON;
 
 /// The factor of a definite form.
 pub(super) struct Definite {
-    factor: faer::linalg::solvers::Llt<f64>,
+    factor: Cholesky,
     scaling: Vec<f64>,
 }
 
@@ -89,9 +89,9 @@ impl Definite {
         let k = start.len();
         let mut y = start.to_vec();
         for _ in 0..STEPS {
-            let mut right = Mat::from_fn(k, 1, |i, _| y[i] * measure.diagonal(i) * self.scaling[i]);
-            self.factor.solve_in_place(right.as_mut());
-            (0..k).for_each(|i| y[i] = right[(i, 0)] * self.scaling[i]);
+            (0..k).for_each(|i| y[i] *= measure.diagonal(i) * self.scaling[i]);
+            self.factor.solve(&mut y);
+            (0..k).for_each(|i| y[i] *= self.scaling[i]);
             let length = (0..k).map(|i| y[i] * y[i] * measure.diagonal(i)).sum::<f64>().sqrt();
             y.iter_mut().for_each(|y| *y /= length);
         }

@@ -7,10 +7,11 @@
 //! made where the first has cancelled: without it the basis loses its orthogonality by a factor a step, and the search its
 //! vector. Nothing proven depends on it, since every vector is judged by its own Rayleigh quotient.
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use super::operator::Operator;
 use super::vectors::{combine, project, pseudo_random, subtract};
+use crate::symmetric;
 
 /// How to look for an eigenvalue.
 #[derive(Debug, Clone, Copy)]
@@ -135,11 +136,9 @@ fn rotated(basis: &[Vec<f64>], vectors: &Mat<f64>, keep: usize) -> Vec<Vec<f64>>
 /// Eigenvalues, ascending, and eigenvectors of a small symmetric matrix.
 pub(super) fn eigen(matrix: Mat<f64>) -> (Vec<f64>, Mat<f64>) {
     let n = matrix.nrows();
-    match matrix.self_adjoint_eigen(Side::Lower) {
-        Ok(found) => ((0..n).map(|i| found.S()[i]).collect(), found.U().to_owned()),
-        // Without convergence (never seen) the last unit vector: a poor candidate, judged like any other.
-        Err(_) => ((0..n).map(|i| matrix[(i, i)]).collect(), Mat::identity(n, n)),
-    }
+    // Without convergence (never seen) the last unit vector: a poor candidate, judged like any other.
+    symmetric::eigen(&matrix)
+        .unwrap_or_else(|| ((0..n).map(|i| matrix[(i, i)]).collect(), Mat::identity(n, n)))
 }
 
 /// The smallest and the largest eigenvalue of a tridiagonal matrix, by the signs of its pivots (Givens), to rounding.

@@ -8,10 +8,10 @@
 //! ```
 //! where the inverse is that of a matrix which is nearly diagonal, and hardly depends on l. Whatever y is, its quotient is a bound.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::Mat;
 
 use super::lanczos::eigen;
+use crate::symmetric::Cholesky;
 
 /// Where |t| mu exceeds S by this, its rounding is larger than a part of 1e-11 of S.
 const FAR: f64 = 1e5;
@@ -53,7 +53,8 @@ fn far(s: &Mat<f64>, b: Mat<f64>, t: f64, size: f64) -> Option<Vec<f64>> {
     for _ in 0..2 {
         let stiff =
             Mat::from_fn(open, open, |i, j| (if i == j { value + sigma(i) } else { 0.0 }) - turned[(i, j)]);
-        let response = stiff.llt(Side::Lower).ok()?.solve(&coupling);
+        let mut response = coupling.clone();
+        Cholesky::new(stiff)?.solve_columns(response.as_mut());
         let added = coupling.transpose() * &response;
         let whole = Mat::from_fn(k - open, k - open, |i, j| {
             shut[(i, j)] + 0.5 * (added[(i, j)] + added[(j, i)]) - if i == j { sigma(open + i) } else { 0.0 }

@@ -5,6 +5,7 @@ use faer::{Mat, Side};
 
 use super::Matrix;
 use crate::error::Refusal;
+use crate::symmetric;
 
 /// Numbers B and c with |x|'|K||x| <= B x'Mx and |x|'|M||x| <= c x'Mx for every x, entries in absolute value.
 ///
@@ -50,7 +51,7 @@ impl Bounds {
         }
         let eigenvalues = |entry: &dyn Fn(usize) -> f64| {
             let scaled = |i: usize, j: usize| entry(i * size + j) / (own(i).sqrt() * own(j).sqrt());
-            Mat::from_fn(size, size, scaled).self_adjoint_eigenvalues(Side::Lower).ok()
+            symmetric::eigenvalues(&Mat::from_fn(size, size, scaled))
         };
         let largest = |values: Vec<f64>| values.last().copied();
         let stiffness = largest(eigenvalues(&|i| k[i].abs())?)?;

@@ -8,8 +8,9 @@
 //! the last index where blocks do not converge (Judice, Pires, Comput. Oper. Res. 21, 1994): finite for a positive
 //! definite matrix, one Cholesky factorisation for each change.
 
-use faer::linalg::solvers::{Llt, Solve};
-use faer::{ColMut, Mat, Side};
+use faer::Mat;
+
+use crate::symmetric::Cholesky;
 
 use super::Contacts;
 
@@ -31,7 +32,7 @@ struct Coupled {
     active: Vec<bool>,
     /// The contacts of the factor.
     factored: Vec<usize>,
-    factor: Option<Llt<f64>>,
+    factor: Option<Cholesky>,
 }
 
 impl Complementarity {
@@ -59,7 +60,7 @@ impl Complementarity {
             true => 1.0 - rounding,
             false => matrix[(i, j)] / (scale[i] * scale[j]),
         };
-        Llt::new(Mat::from_fn(k, k, entry).as_ref(), Side::Lower).ok()?;
+        Cholesky::new(Mat::from_fn(k, k, entry))?;
         Some(Self { diagonal, coupled: Some(Coupled::new(matrix)) })
     }
 
@@ -138,11 +139,11 @@ impl Coupled {
         if factor.is_none() || !now().eq(factored.iter().copied()) {
             *factored = now().collect();
             let of = Mat::from_fn(factored.len(), factored.len(), |i, j| matrix[(factored[i], factored[j])]);
-            *factor = Llt::new(of.as_ref(), Side::Lower).ok();
+            *factor = Cholesky::new(of);
         }
         let mut x: Vec<f64> = factored.iter().map(|j| demand[*j]).collect();
         match factor {
-            Some(factor) => factor.solve_in_place(ColMut::from_slice_mut(&mut x).as_mat_mut()),
+            Some(factor) => factor.solve(&mut x),
             None => x.fill(f64::NAN),
         }
         lambda.fill(0.0);

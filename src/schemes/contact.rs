@@ -11,13 +11,13 @@
 //! an inverse of M, are coupled at will: with m = a s, a = 1/rate, the closed ones obey the symmetric
 //! (1/s + a mu) lambda = g + a p.
 
-use faer::linalg::solvers::{Llt, Solve};
-use faer::{ColMut, Mat, Side};
+use faer::Mat;
 
 use super::inertia::Inertia;
 use crate::error::Refusal;
 use crate::pencil::{Gap, Matrix, Penalty, PenaltyMass, Pencil};
 use crate::sparse::SparseVector;
+use crate::symmetric::Cholesky;
 
 /// Entries of a column M^-1 z below this part of its largest are left out: the square of the unit roundoff.
 const NEGLIGIBLE: f64 = f64::EPSILON * f64::EPSILON / 4.0;
@@ -80,7 +80,7 @@ enum Coupling {
     /// mu_{j,j+1}: only neighbours in a row meet, and not even they where M is diagonal.
     Neighbours { beside: Vec<f64>, upper: Vec<f64> },
     /// All of it, and the factor of (1/s + a mu) for the contacts that were closed last.
-    Full { mu: Mat<f64>, closed: Vec<usize>, factor: Option<Llt<f64>> },
+    Full { mu: Mat<f64>, closed: Vec<usize>, factor: Option<Cholesky> },
 }
 
 /// The contacts of a system with what their reactions need; k contacts.
@@ -353,11 +353,11 @@ impl Contacts {
                 own + a * mu[(last[i], last[j])]
             };
             // Positive definite: mu is, and 1/s > 0.
-            *factor = Llt::new(Mat::from_fn(last.len(), last.len(), entry).as_ref(), Side::Lower).ok();
+            *factor = Cholesky::new(Mat::from_fn(last.len(), last.len(), entry));
         }
         let mut y: Vec<f64> = last.iter().map(|j| right_side(*j)).collect();
         match factor {
-            Some(factor) => factor.solve_in_place(ColMut::from_slice_mut(&mut y).as_mat_mut()),
+            Some(factor) => factor.solve(&mut y),
             None => y.fill(f64::NAN),
         }
         last.iter().zip(y).for_each(|(j, y)| x[*j] = y);

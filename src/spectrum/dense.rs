@@ -6,12 +6,13 @@
 //! lighter node disturb the heavier one by no more than rounding of l_max. A gap all of whose unknowns are shared with
 //! others is summed; what that loses the enclosure shows.
 
-use faer::{Mat, Side};
+use faer::Mat;
 
-use super::proof::{self, standard_form};
+use super::proof;
 use super::{Enclosure, Engine, Sturm, Uncertified, WIDEST_ENCLOSURE};
 use crate::error::Refusal;
 use crate::pencil::{Gap, Matrix, Penalty, PenaltyMass, Pencil};
+use crate::symmetric::{Cholesky, eigenvalues};
 
 /// More nodes than this are refused for the dense engine: one matrix would take over 3 GB and a point hours.
 pub const MAX_DENSE_NODES: usize = 20_000;
@@ -48,7 +49,7 @@ impl Engine for Dense<'_> {
         // The error of the dense reduction has no sharp constant, so the value is proven by two Sturm counts; they
         // leave a tenth of the widest enclosure to the margin of their own rounding. Without a factor or without
         // convergence there is no value: NaN, which no certificate accepts.
-        let value = largest(k, &m).unwrap_or(f64::NAN);
+        let value = largest(k, m).unwrap_or(f64::NAN);
         sturm.verify(penalty, value, 0.45 * WIDEST_ENCLOSURE)
     }
 }
@@ -162,7 +163,6 @@ fn dense(matrix: &Matrix) -> Mat<f64> {
 }
 
 /// The largest eigenvalue of K x = l M x.
-fn largest(k: Mat<f64>, m: &Mat<f64>) -> Option<f64> {
-    let (reduced, _) = standard_form(k, m)?;
-    reduced.self_adjoint_eigenvalues(Side::Lower).ok()?.last().copied()
+fn largest(k: Mat<f64>, m: Mat<f64>) -> Option<f64> {
+    eigenvalues(&Cholesky::new(m)?.standard_form(k))?.last().copied()
 }

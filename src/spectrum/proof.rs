@@ -4,24 +4,14 @@
 //! factor. In floating point a factor shows that the matrix is at least minus n (n + 1) u times its diagonal (Demmel 1989;
 //! Rump, BIT 46, 2006); this and the rounding of the entries are taken off the diagonal before.
 
-use faer::linalg::solvers::Llt;
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
-use faer::{Mat, MatRef, Par, Side};
+use faer::{Mat, MatRef};
 
 use super::{Enclosure, UNIT_ROUNDOFF, Uncertified};
+use crate::symmetric::{Cholesky, eigen};
 
 /// The widest relative enclosure that counts as certified without the structure of a chain: that of the critical step is
 /// half of it.
 pub const WIDEST_DENSE_ENCLOSURE: f64 = 1e-9;
-
-/// L^-1 K L^-T, M = L L'; `None` if M has no factor.
-pub(super) fn standard_form(mut k: Mat<f64>, m: &Mat<f64>) -> Option<(Mat<f64>, Llt<f64>)> {
-    let factor = Llt::new(m.as_ref(), Side::Lower).ok()?;
-    solve_lower_triangular_in_place(factor.L(), k.as_mut(), Par::Seq);
-    let mut transposed = k.transpose().to_owned();
-    solve_lower_triangular_in_place(factor.L(), transposed.as_mut(), Par::Seq);
-    Some((transposed, factor))
-}
 
 /// l_max of (K, M), whose entries carry `roundings` unit roundoffs of the pencil they stand for.
 pub(super) fn enclose(k: &Mat<f64>, m: &Mat<f64>, roundings: f64) -> Result<Enclosure, Uncertified> {
@@ -38,7 +28,7 @@ pub(super) fn enclose(k: &Mat<f64>, m: &Mat<f64>, roundings: f64) -> Result<Encl
             let entry = u * m[(i, j)] - k[(i, j)];
             if i == j { entry - rounding * (u * m[(i, i)] + k[(i, i)].abs()) } else { entry }
         };
-        let positive = Llt::new(Mat::from_fn(k.nrows(), k.ncols(), shifted).as_ref(), Side::Lower).is_ok();
+        let positive = Cholesky::new(Mat::from_fn(k.nrows(), k.ncols(), shifted)).is_some();
         if positive && lower <= value && u - lower <= WIDEST_DENSE_ENCLOSURE * value {
             return Ok(Enclosure { value, lower, upper: u });
         }
@@ -49,12 +39,11 @@ pub(super) fn enclose(k: &Mat<f64>, m: &Mat<f64>, roundings: f64) -> Result<Encl
 
 /// The largest eigenvalue and its vector.
 fn top_mode(k: &Mat<f64>, m: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
-    let (reduced, factor) = standard_form(k.clone(), m)?;
-    let modes = reduced.self_adjoint_eigen(Side::Lower).ok()?;
+    let factor = Cholesky::new(m.clone())?;
+    let (values, mut shapes) = eigen(&factor.standard_form(k.clone()))?;
     let last = k.nrows() - 1;
-    let mut shape = modes.U().get(.., last..).to_owned();
-    solve_upper_triangular_in_place(factor.L().transpose(), shape.as_mut(), Par::Seq);
-    Some((modes.S().column_vector()[last], (0..=last).map(|i| shape[(i, 0)]).collect()))
+    factor.turn_back(shapes.get_mut(.., last..));
+    Some((values[last], (0..=last).map(|i| shapes[(i, last)]).collect()))
 }
 
 /// x'Kx/x'Mx less what its sums and the entries have lost: n + `roundings` + 2 unit roundoffs of every term.

@@ -8,7 +8,7 @@
 //! step at which the product of all multipliers exceeds 1 ([`Determinant`]). The step is a
 //! [lower bound](crate::spectrum::Evidence::LowerBound) with an upper one.
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use super::determinant::Determinant;
 use crate::error::Refusal;
@@ -16,6 +16,7 @@ use crate::pencil::{Penalty, PenaltyMass, Pencil, last_pivot};
 use crate::schemes::Contacts;
 use crate::schemes::closed::{COMPLIANCE_ERROR, ClosedContacts, contact_free};
 use crate::spectrum::{Enclosure, Engine, Step, StepLimit, UNIT_ROUNDOFF, Uncertified, bisect};
+use crate::symmetric::eigenvalues;
 
 /// Contacts of bars of which all eigenvalues are computed.
 const MOST_CONTACTS: usize = 300;
@@ -48,7 +49,7 @@ impl Bound {
         let (k, n) = (contacts.len(), pencil.size() as f64);
         let root = |j: usize| pencil.gaps()[j].scale.sqrt();
         let scaled = Mat::from_fn(k, k, |i, j| root(i) * contacts.compliance_between(i, j) * root(j));
-        let eigenvalues = scaled.self_adjoint_eigenvalues(Side::Lower).unwrap_or_default();
+        let eigenvalues = eigenvalues(&scaled).unwrap_or_default();
         // A factor of M is exact for one that differs by n (n + 1) u diag(M), and diag(M) <= c M; a diagonal one takes a
         // rounding. The eigenvalues of a k x k matrix take some k^2 more.
         let factor = if pencil.mass().is_diagonal() { 4.0 } else { pencil.bounds().mass * n * (n + 1.0) };
@@ -94,7 +95,7 @@ impl Bound {
                 1 => off[i.min(j)],
                 _ => 0.0,
             };
-            let eigenvalues = Mat::from_fn(k, k, entry).self_adjoint_eigenvalues(Side::Lower);
+            let eigenvalues = eigenvalues(&Mat::from_fn(k, k, entry));
             let more = 8.0 * UNIT_ROUNDOFF * (k * k) as f64;
             Determinant::new(&eigenvalues.unwrap_or_default(), error + more)
         };

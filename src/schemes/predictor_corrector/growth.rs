@@ -1,13 +1,10 @@
 //! How fast an unstable step grows just above the limit: |z| - 1 of the largest multiplier, as far as it is predicted.
 
-use faer::linalg::solvers::Llt;
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
-use faer::{Par, Side};
-
 use super::definite::Definite;
 use super::limit::ClosedLimit;
 use crate::pencil::{Penalty, Terms};
 use crate::spectrum::{bisect, with_gaps_last};
+use crate::symmetric::{Cholesky, eigen};
 
 impl ClosedLimit<'_> {
     /// |z| - 1 at dt = `relative_courant` times the contact-free step: 0 where the scheme is stable.
@@ -32,16 +29,11 @@ impl ClosedLimit<'_> {
     fn largest_residue(&self) -> Option<f64> {
         let (k, m) = with_gaps_last(self.closed.pencil.pencil(), &Penalty::NONE);
         let n = k.nrows() - self.closed.pencil.gaps().len();
-        let factor = Llt::new(m.get(..n, ..n), Side::Lower).ok()?;
-        let mut reduced = k.get(..n, ..n).to_owned();
-        solve_lower_triangular_in_place(factor.L(), reduced.as_mut(), Par::Seq);
-        let mut reduced = reduced.transpose().to_owned();
-        solve_lower_triangular_in_place(factor.L(), reduced.as_mut(), Par::Seq);
-        let modes = reduced.self_adjoint_eigen(Side::Lower).ok()?;
-        let mut shapes = modes.U().to_owned();
-        solve_upper_triangular_in_place(factor.L().transpose(), shapes.as_mut(), Par::Seq);
+        let factor = Cholesky::new(m.get(..n, ..n).to_owned())?;
+        let (values, mut shapes) = eigen(&factor.standard_form(k.get(..n, ..n).to_owned()))?;
+        factor.turn_back(shapes.as_mut());
         let residue = |h: usize| {
-            let l = modes.S().column_vector()[h];
+            let l = values[h];
             let coupling = |i: usize, gap: usize| shapes[(i, h)] * (k[(i, gap)] - l * m[(i, gap)]);
             (n..k.nrows()).map(|gap| (0..n).map(|i| coupling(i, gap)).sum::<f64>().powi(2)).sum()
         };
