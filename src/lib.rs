@@ -22,7 +22,8 @@
 //! damping                          what dampers leave of a step: another undamped problem
 //! schemes -> impact, verify        runs beside exact solutions; limits found by stepping alone
 //! mesh, convex -> parts            a mesh in parts, each with its share of the matrices, for several processes
-//! sparse, symmetric, double_double matrices by rows, dense ones, twice the digits;  error, memory, interrupt: what ends a run
+//! sparse, symmetric, double_double  matrices by rows, their factors, twice the digits
+//! error, memory, interrupt         what ends a run
 //! ```
 //!
 //! A pencil may come from elsewhere: matrices of any mesh, gaps as sparse columns ([`pencil::Pencil::new`]), elements of

@@ -1,12 +1,16 @@
-//! Dense symmetric matrices: their factors and eigenvalues, by faer, on the thread that asks. Points are computed beside each
-//! other already, and what faer returns may depend on how many threads share the work.
+//! Symmetric matrices: their factors and eigenvalues, by faer, on the thread that asks. Points are computed beside each other
+//! already, and the last digits of what faer returns depend on how many threads share the work.
+
+use std::sync::Arc;
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
-use faer::{ColMut, Mat, MatMut, Par};
+use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, factorize_symbolic_cholesky};
+use faer::sparse::{SparseColMat, Triplet};
+use faer::{ColMut, Conj, Mat, MatMut, Par, Side};
 
 /// L with L L' = A.
 #[derive(Debug, Clone)]
@@ -66,4 +70,42 @@ fn decompose(a: &Mat<f64>, vectors: Option<MatMut<'_, f64>>) -> Option<Vec<f64>>
     let (params, stack) = (Default::default(), MemStack::new(stack));
     self_adjoint_evd(a.as_ref(), values.as_mut(), vectors, Par::Seq, stack, params).ok()?;
     Some(values.column_vector().iter().copied().collect())
+}
+
+/// L with L L' = A for a sparse A, its rows in an order that leaves L sparse.
+#[derive(Debug, Clone)]
+pub(crate) struct SparseCholesky {
+    symbolic: Arc<SymbolicCholesky<usize>>,
+    values: Vec<f64>,
+}
+
+impl SparseCholesky {
+    /// The factor of the n x n matrix with the entries `lower` on and below its diagonal; those at one place are added up.
+    ///
+    /// # Errors
+    /// What faer says of a pivot that is not positive, or of memory.
+    pub fn new(n: usize, lower: &[Triplet<usize, usize, f64>]) -> Result<Self, String> {
+        let a =
+            SparseColMat::<usize, f64>::try_new_from_triplets(n, n, lower).map_err(|e| format!("{e:?}"))?;
+        let symbolic =
+            factorize_symbolic_cholesky(a.symbolic(), Side::Lower, Default::default(), Default::default());
+        let symbolic = symbolic.map_err(|e| format!("{e:?}"))?;
+        let mut values = vec![0.0; symbolic.len_val()];
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let mut memory = MemBuffer::try_new(scratch).map_err(|e| format!("{e:?}"))?;
+        let (plain, params) = (Default::default(), Default::default());
+        let stack = MemStack::new(&mut memory);
+        symbolic
+            .factorize_numeric_llt(&mut values, a.as_ref(), Side::Lower, plain, Par::Seq, stack, params)
+            .map_err(|e| format!("{e:?}"))?;
+        Ok(Self { symbolic: Arc::new(symbolic), values })
+    }
+
+    /// A^-1 x, in the place of x.
+    pub fn solve(&self, x: &mut [f64]) {
+        let factor = LltRef::<'_, usize, f64>::new(&self.symbolic, &self.values);
+        let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        let x = ColMut::from_slice_mut(x).as_mat_mut();
+        factor.solve_in_place_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut memory));
+    }
 }

@@ -214,17 +214,17 @@ impl Factorisation {
         }
         // Each entry: the terms of P with four factors each, of which two may be off, three products, three differences.
         let stored = rounding(self.terms + 16) * largest(&sums);
-        let Some(factor) = self.factorise(&values) else { return Verdict::Refuted };
+        let parallel = if n < FEW { Par::Seq } else { Par::rayon(0) };
+        let Some(factor) = self.factorise(&values, parallel) else { return Verdict::Refuted };
         let (product, most) = self.absolute_product(&factor);
         // The sums that bound the error are positive: doubling covers their own rounding.
         let needed = beyond + 2.0 * (rounding(most + 2) * product + stored);
-        if needed <= shift { Verdict::Proven } else { Verdict::TooClose(needed / u) }
+        if needed <= shift { Verdict::Proven } else { Verdict::TooClose(coarse(needed / u)) }
     }
 
     /// The factor of the matrix with these entries, or none if a pivot is not positive.
-    fn factorise(&self, values: &[f64]) -> Option<Vec<f64>> {
+    fn factorise(&self, values: &[f64], parallel: Par) -> Option<Vec<f64>> {
         let n = self.scaling.len();
-        let parallel = if n < FEW { Par::Seq } else { Par::rayon(0) };
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.starts, None, &self.rows);
         let matrix = SparseColMatRef::new(pattern, values);
         let mut factor = vec![0.0; self.symbolic.len_val()];
@@ -261,6 +261,13 @@ impl Factorisation {
     }
 }
 
+/// `x`, positive, rounded up to 8 digits of its binary fraction: the last digits of a factor depend on the threads that made
+/// it, and no bound may.
+fn coarse(x: f64) -> f64 {
+    const REST: u64 = (1 << 44) - 1;
+    f64::from_bits((x.to_bits() + REST) & !REST)
+}
+
 /// A factor of M alone, to apply M^-1 to vectors.
 #[derive(Debug)]
 pub(super) struct MassFactor {
@@ -277,7 +284,8 @@ impl MassFactor {
             .map(|(column, at)| all.mass[at] / (all.scaling[column] * all.scaling[all.rows[at]]))
             .collect();
         all.scaling.iter_mut().for_each(|s| *s = 1.0);
-        let factor = all.factorise(&values)?;
+        // On one thread: vectors, and numbers from them, would differ with the threads.
+        let factor = all.factorise(&values, Par::Seq)?;
         Some(Self { symbolic: all.symbolic, values: factor })
     }
 

@@ -1,11 +1,11 @@
 //! How large the entries of K and M are relative to M: what every backward error is multiplied by.
 
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{Mat, Side};
+use faer::Mat;
+use faer::sparse::Triplet;
 
 use super::Matrix;
 use crate::error::Refusal;
-use crate::symmetric;
+use crate::symmetric::{self, SparseCholesky};
 
 /// Numbers B and c with |x|'|K||x| <= B x'Mx and |x|'|M||x| <= c x'Mx for every x, entries in absolute value.
 ///
@@ -181,6 +181,5 @@ fn exceeds_its_diagonal(mass: &Matrix, share: f64) -> bool {
         mass.row(i).filter(move |(j, _)| *j <= i).map(move |(j, a)| Triplet::new(i, j, entry(i, j, a)))
     };
     let triplets: Vec<_> = (0..n).flat_map(lower).collect();
-    SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets)
-        .is_ok_and(|matrix| matrix.sp_cholesky(Side::Lower).is_ok())
+    SparseCholesky::new(n, &triplets).is_ok()
 }

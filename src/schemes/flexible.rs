@@ -7,10 +7,8 @@
 //! K_cc is constant: one sparse Cholesky factorisation and one solve a contact in advance, two solves and the complementarity
 //! problem for every r. W is k x k and dense.
 
-use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::Llt;
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{ColMut, Mat, Side};
+use faer::Mat;
+use faer::sparse::Triplet;
 use rayon::prelude::*;
 
 use super::ContactRule;
@@ -19,11 +17,12 @@ use crate::error::Refusal;
 use crate::memory;
 use crate::pencil::{Matrix, Pencil};
 use crate::sparse::SparseVector;
+use crate::symmetric::SparseCholesky;
 
 /// K_cc^-1 and the contacts on it.
 #[derive(Debug, Clone)]
 pub(super) struct Flexible {
-    factor: Llt<usize, f64>,
+    factor: SparseCholesky,
     /// z of each contact on the unknowns c.
     columns: Vec<SparseVector>,
     /// A rigid motion that K does not resist.
@@ -102,7 +101,7 @@ impl Flexible {
     }
 }
 
-fn apply(factor: &Llt<usize, f64>, carried: Option<&Carried>, x: &mut [f64]) {
+fn apply(factor: &SparseCholesky, carried: Option<&Carried>, x: &mut [f64]) {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let take = |from: &[f64], share: f64, x: &mut [f64]| {
         x.iter_mut().zip(from).for_each(|(x, entry)| *x -= share * entry);
@@ -110,7 +109,7 @@ fn apply(factor: &Llt<usize, f64>, carried: Option<&Carried>, x: &mut [f64]) {
     if let Some(Carried { motion, balance }) = carried {
         take(balance, dot(motion, x), x);
     }
-    factor.solve_in_place(ColMut::from_slice_mut(x).as_mat_mut());
+    factor.solve(x);
     if let Some(Carried { motion, balance }) = carried {
         take(motion, dot(balance, x), x);
     }
@@ -118,7 +117,7 @@ fn apply(factor: &Llt<usize, f64>, carried: Option<&Carried>, x: &mut [f64]) {
 
 /// The Cholesky factor of K_cc. Where a rigid motion is carried, one of its unknowns is tied to the ground: the tie takes no
 /// force, since all others are in balance.
-fn factor(k: &Matrix, unknowns: &[u32], carried: Option<&Carried>) -> Result<Llt<usize, f64>, Refusal> {
+fn factor(k: &Matrix, unknowns: &[u32], carried: Option<&Carried>) -> Result<SparseCholesky, Refusal> {
     let n = unknowns.len();
     let lower = |at: usize| {
         let row = k
@@ -138,8 +137,7 @@ fn factor(k: &Matrix, unknowns: &[u32], carried: Option<&Carried>) -> Result<Llt
             "one that resists every motion of the unknowns without mass or at rest",
         )
     };
-    let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets);
-    let factor = matrix.map_err(|e| refused(format!("{e:?}")))?.sp_cholesky(Side::Lower);
+    let factor = SparseCholesky::new(n, &triplets);
     let factor = factor.map_err(|_| refused("a motion that it does not resist".to_owned()))?;
     let resisted = resistance(&factor, |at| k.diagonal(unknowns[at] as usize), n);
     // Each pivot is a difference of as many products as its row has entries: n of them at most.
@@ -151,7 +149,7 @@ fn factor(k: &Matrix, unknowns: &[u32], carried: Option<&Carried>) -> Result<Llt
 
 /// x'K x/x'D x, D the diagonal, for x = K^-1 D^1/2 e of signs e: small if K is nearly singular, as then nearly all of x lies
 /// there.
-fn resistance(factor: &Llt<usize, f64>, diagonal: impl Fn(usize) -> f64, n: usize) -> f64 {
+fn resistance(factor: &SparseCholesky, diagonal: impl Fn(usize) -> f64, n: usize) -> f64 {
     let mut seed = 1_u64;
     let mut sign = || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -159,7 +157,7 @@ fn resistance(factor: &Llt<usize, f64>, diagonal: impl Fn(usize) -> f64, n: usiz
     };
     let load: Vec<f64> = (0..n).map(|i| sign() * diagonal(i).sqrt()).collect();
     let mut x = load.clone();
-    factor.solve_in_place(ColMut::from_slice_mut(&mut x).as_mat_mut());
+    factor.solve(&mut x);
     let work: f64 = x.iter().zip(&load).map(|(x, load)| x * load).sum();
     work / x.iter().enumerate().map(|(i, x)| diagonal(i) * x * x).sum::<f64>()
 }

@@ -1,14 +1,12 @@
 //! M^-1 for every form of M, factored once.
 
-use faer::Side;
-use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::Llt;
-use faer::sparse::{SparseColMat, Triplet};
+use faer::sparse::Triplet;
 
 use super::twisted::Twisted;
 use crate::error::Refusal;
 use crate::pencil::Matrix;
 use crate::sparse::SparseVector;
+use crate::symmetric::SparseCholesky;
 
 /// r -> scale M^-1 r.
 #[derive(Debug, Clone)]
@@ -18,7 +16,7 @@ pub(super) enum Inertia {
     /// Of a row of bars.
     Bars(Twisted),
     /// Of any other mesh.
-    Factored { factor: Llt<usize, f64>, scale: f64 },
+    Factored { factor: SparseCholesky, scale: f64 },
 }
 
 impl Inertia {
@@ -35,9 +33,7 @@ impl Inertia {
         let triplets: Vec<_> = (0..n).flat_map(lower).collect();
         let refused =
             |why: String| Refusal::new("mass", why, "a positive definite matrix that can be factored");
-        let mass = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets);
-        let factor = mass.map_err(|e| refused(format!("{e:?}")))?.sp_cholesky(Side::Lower);
-        Ok(Self::Factored { factor: factor.map_err(|e| refused(format!("{e:?}")))?, scale })
+        Ok(Self::Factored { factor: SparseCholesky::new(n, &triplets).map_err(refused)?, scale })
     }
 
     /// Whether M is diagonal and not that of a row of bars.
@@ -61,7 +57,7 @@ impl Inertia {
             Self::Lumped(inverse) => r.iter_mut().zip(inverse).for_each(|(r, inverse)| *r *= inverse),
             Self::Bars(mass) => mass.solve(r),
             Self::Factored { factor, scale } => {
-                factor.solve_in_place(faer::ColMut::from_slice_mut(r).as_mat_mut());
+                factor.solve(r);
                 r.iter_mut().for_each(|r| *r *= scale);
             }
         }

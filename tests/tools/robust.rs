@@ -92,3 +92,54 @@ fn what_is_allowed_instead_fits() {
     let out = confined(&scratch, 700_000, impact, &format!("{long} --every {every} --quiet"));
     assert_eq!(out.status, 0, "{}", out.stderr);
 }
+
+/// A matrix of 701 rows that the dense engine reduces, and a consistent mass of 20,000 that a step solves with: sizes at which
+/// faer shares the work among the threads it is given, and returns other last digits for another number of them.
+#[test]
+fn no_number_depends_on_the_threads() {
+    let scratch = Scratch::new("threads");
+    scratch.write("bricks.toml", BRICKS);
+    let dense = "signorini --elements 700 --mass consistent --beta-s 10 --ratio 2 --engine dense";
+    let steps = "bricks.toml --scheme central-difference --mass consistent --beta-s 1 --duration 2e-6";
+    for (tool, arguments) in
+        [(env!("CARGO_BIN_EXE_stability-map"), dense), (env!("CARGO_BIN_EXE_contact-impact"), steps)]
+    {
+        let with = |threads: usize| {
+            let words = format!("{arguments} --stdout csv -q --threads {threads}");
+            tool::run_program(tool, &scratch, &words.split_whitespace().collect::<Vec<_>>()).succeeded()
+        };
+        assert_eq!(with(1), with(2), "{arguments}");
+    }
+}
+
+const BRICKS: &str = r#"
+name = "bricks"
+dimension = 3
+
+[[body]]
+name = "lower"
+box = [0.2, 0.1, 0.2]
+cells = [20, 10, 20]
+element = "hex8"
+youngs_modulus = 210e9
+poissons_ratio = 0.3
+density = 7850.0
+
+[[body]]
+name = "upper"
+box = [0.1, 0.1, 0.1]
+cells = [12, 12, 12]
+origin = [0.05, 0.1, 0.05]
+element = "hex8"
+youngs_modulus = 210e9
+poissons_ratio = 0.3
+density = 7850.0
+velocity = [0.0, -5.0, 0.0]
+
+[[contact]]
+surfaces = ["upper.bottom", "lower.top"]
+
+[[hold]]
+surface = "lower.bottom"
+directions = ["x", "y", "z"]
+"#;
