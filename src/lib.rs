@@ -22,7 +22,7 @@
 //! damping                          what dampers leave of a step: another undamped problem
 //! schemes -> impact, verify        runs beside exact solutions; limits found by stepping alone
 //! mesh, convex -> parts            a mesh in parts, each with its share of the matrices, for several processes
-//! sparse, symmetric, double_double  matrices by rows, their factors, twice the digits
+//! sparse, symmetric                matrices by rows, and factors; double_double: twice the digits
 //! error, memory, interrupt         what ends a run
 //! ```
 //!

@@ -262,7 +262,7 @@ impl Factorisation {
 }
 
 /// `x`, positive, rounded up to 8 digits of its binary fraction: the last digits of a factor depend on the threads that made
-/// it, and no bound may.
+/// it, and a bound would show them.
 fn coarse(x: f64) -> f64 {
     const REST: u64 = (1 << 44) - 1;
     f64::from_bits((x.to_bits() + REST) & !REST)

@@ -98,7 +98,9 @@ fn what_is_allowed_instead_fits() {
 #[test]
 fn no_number_depends_on_the_threads() {
     let scratch = Scratch::new("threads");
-    scratch.write("bricks.toml", BRICKS);
+    let scene = include_str!("../../analyses/scenes/bricks.toml");
+    let fine = scene.replace("[8, 4, 8]", "[20, 10, 20]").replace("[5, 5, 5]", "[12, 12, 12]");
+    scratch.write("bricks.toml", fine);
     let dense = "signorini --elements 700 --mass consistent --beta-s 10 --ratio 2 --engine dense";
     let steps = "bricks.toml --scheme central-difference --mass consistent --beta-s 1 --duration 2e-6";
     for (tool, arguments) in
@@ -111,35 +113,3 @@ fn no_number_depends_on_the_threads() {
         assert_eq!(with(1), with(2), "{arguments}");
     }
 }
-
-const BRICKS: &str = r#"
-name = "bricks"
-dimension = 3
-
-[[body]]
-name = "lower"
-box = [0.2, 0.1, 0.2]
-cells = [20, 10, 20]
-element = "hex8"
-youngs_modulus = 210e9
-poissons_ratio = 0.3
-density = 7850.0
-
-[[body]]
-name = "upper"
-box = [0.1, 0.1, 0.1]
-cells = [12, 12, 12]
-origin = [0.05, 0.1, 0.05]
-element = "hex8"
-youngs_modulus = 210e9
-poissons_ratio = 0.3
-density = 7850.0
-velocity = [0.0, -5.0, 0.0]
-
-[[contact]]
-surfaces = ["upper.bottom", "lower.top"]
-
-[[hold]]
-surface = "lower.bottom"
-directions = ["x", "y", "z"]
-"#;
